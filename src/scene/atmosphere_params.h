@@ -1,0 +1,52 @@
+#pragma once
+#include <glm/vec3.hpp>
+#include <string>
+
+namespace nepho {
+
+/// One species of the air with an exponential profile, at the rendering wavelengths 680, 550, 440 nm.
+struct RayleighParams {
+  /// Scattering at height 0, 1/m, >= 0. 1.24062e-6 lambda_um^-4 (Bruneton 2017, demo).
+  glm::dvec3 scattering_per_m = {5.80233938171e-06, 1.35577624479e-05, 3.31e-05};
+  double scale_height_m = 8000.0;  ///< e-folding height of density, m, > 0
+  bool operator==(const RayleighParams&) const = default;
+};
+
+/// Aerosol.
+struct MieParams {
+  glm::dvec3 scattering_per_m = {3.996e-6, 3.996e-6, 3.996e-6};  ///< at height 0, 1/m, >= 0 (Bruneton 2017: 0.9 of extinction)
+  glm::dvec3 extinction_per_m = {4.44e-6, 4.44e-6, 4.44e-6};     ///< at height 0, 1/m, >= scattering
+  double scale_height_m = 1200.0;                                ///< m, > 0
+  double phase_g = 0.8;                                          ///< Cornette-Shanks asymmetry, (-1, 1)
+  bool operator==(const MieParams&) const = default;
+};
+
+/// Ozone: absorbs only; a tent of density 1 at `center_m`, 0 at center -+ half_width.
+struct OzoneParams {
+  glm::dvec3 absorption_per_m = {6.497166e-07, 1.8809e-06, 8.501668e-08};  ///< at the tent's top, 1/m, >= 0 (300 DU)
+  double center_m = 25000.0;      ///< m
+  double half_width_m = 15000.0;  ///< m, > 0
+  bool operator==(const OzoneParams&) const = default;
+};
+
+/// Clear air over an ellipsoid. Equal parameters keep their tables.
+struct AtmosphereParams {
+  double equatorial_radius_m = 6378137.0;       ///< a, m. Default: WGS84
+  double polar_radius_m = 6356752.314245179;    ///< b, m
+  double top_height_m = 60000.0;                ///< above the ground, m; several scale heights (Bruneton 2017)
+  RayleighParams rayleigh;
+  MieParams mie;
+  OzoneParams ozone;
+  /// Sun at 1 au at the top of the atmosphere, W m^-2 nm^-1 at 680, 550, 440 nm (ASTM G173 as in Bruneton 2017).
+  glm::dvec3 solar_irradiance_W_m2_nm = {1.474, 1.8504, 1.8110};
+  double ground_albedo = 0.1;                   ///< mean albedo that lights the sky from below, 0..1
+  double min_sun_zenith_cos = -0.207911690818;  ///< sun cosine down to which the tables reach; cos 102 deg
+  int scattering_orders = 4;                    ///< >= 1; 1 is single scattering
+  bool operator==(const AtmosphereParams&) const = default;
+
+  static AtmosphereParams earth() { return {}; }
+  /// The spherical planet of Bruneton's demo: radius 6360 km.
+  static AtmosphereParams bruneton_demo();
+};
+
+}  // namespace nepho

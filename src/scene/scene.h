@@ -1,0 +1,69 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/atmosphere_params.h"
+#include "scene/cloud_params.h"
+
+namespace nepho {
+
+/// A point to look at. Without a height: the ground there.
+struct LookAt {
+  double lat_deg = 0.0;
+  double lon_deg = 0.0;
+  std::optional<double> height_m;  ///< above the ellipsoid
+  bool operator==(const LookAt&) const = default;
+};
+
+/// Where the picture is taken from. Degrees here, at the edge of the program; radians inside.
+struct CameraParams {
+  double lat_deg = 35.5106;           ///< geodetic, -90..90
+  double lon_deg = 138.7546;          ///< -180..360
+  std::optional<double> height_m;     ///< above the ellipsoid
+  std::optional<double> agl_m;        ///< above the ground; with neither: 2 m above the ground
+  double heading_deg = 0.0;           ///< clockwise from north
+  double pitch_deg = 0.0;             ///< 0 the horizon, -90 straight down
+  double roll_deg = 0.0;              ///< clockwise as seen from behind the camera
+  std::optional<LookAt> look_at;      ///< overrides heading and pitch
+  double fov_deg = 45.0;              ///< vertical, (0, 180)
+  bool operator==(const CameraParams&) const = default;
+};
+
+struct TerrainParams {
+  std::vector<std::string> elevation;  ///< raster files over the default Earth, later over earlier
+  bool default_earth = true;           ///< elevation and imagery from Debian packages where they are installed
+  double screen_error_px = 1.0;        ///< level of detail: largest geometric error on screen, px, > 0
+  bool operator==(const TerrainParams&) const = default;
+};
+
+struct ImageryParams {
+  std::vector<std::string> files;  ///< raster files over the default Earth, later over earlier
+  bool operator==(const ImageryParams&) const = default;
+};
+
+struct RenderParams {
+  uint32_t width = 640;                ///< px, 1..16384
+  uint32_t height = 360;               ///< px
+  std::string quality = "high";        ///< low, medium, high, ultra
+  uint32_t frames = 1;                 ///< frames accumulated, >= 1
+  uint32_t seed = 0;
+  std::optional<double> exposure_ev100;  ///< without: from the picture's log-average luminance
+  std::string tone_curve = "agx";      ///< aces, agx, reinhard, linear
+  bool operator==(const RenderParams&) const = default;
+};
+
+/// A picture as plain data: everything has a default, is saved and read back (scene_json.h).
+struct Scene {
+  std::string time = "2026-06-20T23:30:00Z";  ///< UTC, ISO 8601; a fixed date, never now
+  CameraParams camera;
+  AtmosphereParams atmosphere;
+  CloudParams clouds;
+  TerrainParams terrain;
+  ImageryParams imagery;
+  RenderParams render;
+  bool operator==(const Scene&) const = default;
+};
+
+}  // namespace nepho
