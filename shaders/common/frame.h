@@ -18,8 +18,8 @@ struct FrameConstants {
   uint seed;
   vec3 sun_dir;               // unit, towards the sun, ECEF axes
   float sun_angular_radius_rad;
-  vec3 sun_irradiance;        // at the top of the atmosphere on a facing plane, linear Rec. 709, illuminance in lux
-  float sun_distance_factor;  // (1 au / distance)^2, already in sun_irradiance
+  vec3 sun_illuminance;       // on a facing plane at the top of the atmosphere, linear Rec. 709 whose luminance is in lux
+  float sun_distance_factor;  // (1 au / distance)^2, already in sun_illuminance
   uvec2 size;                 // px
   vec2 jitter_px;             // sub-pixel offset of this frame's rays
   float near_m;               // reversed-Z infinite projection: depth = near / z

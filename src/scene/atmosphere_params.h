@@ -7,7 +7,7 @@ namespace nepho {
 /// One species of the air with an exponential profile, at the rendering wavelengths 680, 550, 440 nm.
 struct RayleighParams {
   /// Scattering at height 0, 1/m, >= 0. 1.24062e-6 lambda_um^-4 (Bruneton 2017, demo).
-  glm::dvec3 scattering_per_m = {5.80233938171e-06, 1.35577624479e-05, 3.31e-05};
+  glm::dvec3 scattering_per_m = {5.80233938171e-06, 1.35577624479e-05, 3.31000059764e-05};
   double scale_height_m = 8000.0;  ///< e-folding height of density, m, > 0
   bool operator==(const RayleighParams&) const = default;
 };
@@ -38,7 +38,7 @@ struct AtmosphereParams {
   MieParams mie;
   OzoneParams ozone;
   /// Sun at 1 au at the top of the atmosphere, W m^-2 nm^-1 at 680, 550, 440 nm (ASTM G173 as in Bruneton 2017).
-  glm::dvec3 solar_irradiance_W_m2_nm = {1.474, 1.8504, 1.8110};
+  glm::dvec3 solar_irradiance_W_m2_nm = {1.474, 1.8504, 1.91198};
   double ground_albedo = 0.1;                   ///< mean albedo that lights the sky from below, 0..1
   double min_sun_zenith_cos = -0.207911690818;  ///< sun cosine down to which the tables reach; cos 102 deg
   int scattering_orders = 4;                    ///< >= 1; 1 is single scattering
