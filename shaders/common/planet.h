@@ -80,12 +80,13 @@ SHARED_FN bool intersect_shell(PlanetView planet, vec3 dir, float shell_height_m
   // |q0|^2 - R^2 without cancellation: (|q0|^2 - a^2) - H (2 a + H).
   float c = planet.camera_f_m2 - shell_height_m * (2.0f * planet.a_m + shell_height_m);
   // b^2 - a c as a (R^2 - |perpendicular|^2): the perpendicular part is found by subtraction of vectors, which keeps
-  // its precision when b^2 and a c are both large (a camera far out in space).
+  // its precision when b^2 and a c are both large (far out in space, or straight up and down); the direct form keeps
+  // it when both are small (horizontal views near the ground).
   vec3 perpendicular = planet.camera_q_m - sd * (b / a);
   float r = planet.a_m + shell_height_m;
   float outside = a * (r * r - dot(perpendicular, perpendicular));
   float direct = b * b - a * c;
-  float discriminant = planet.camera_f_m2 > 0.25f * planet.a_m * planet.a_m ? outside : direct;
+  float discriminant = b * b > 0.25f * a * r * r ? outside : direct;
   t = vec2(0.0f, 0.0f);
   if (discriminant < 0.0f) return false;
   float root = sqrt(discriminant);
