@@ -13,38 +13,44 @@ namespace nepho {
 /// What a raster's numbers mean vertically.
 enum class VerticalDatum { egm96, ellipsoid };
 
-/// Extent of a raster in degrees on WGS84: pixel areas, west < east; a global raster spans exactly 360.
+/// Extent of a raster in degrees on WGS84: outer edges of its pixels, west < east. -181 < west < 180 and east may pass
+/// 180: look a longitude up as west + fmod(lon - west + 720, 360). A raster that `wraps` spans exactly 360. Rows
+/// centred on a pole reach half a pixel past +-90, so that row r always has its centre at north - (r + 0.5) * (north -
+/// south) / height.
 struct LonLatBounds {
   double west_deg = -180.0, south_deg = -90.0, east_deg = 180.0, north_deg = 90.0;
 };
 
 struct RasterInfo {
-  std::string path;           ///< as the user named it, for messages
-  uint32_t width = 0;         ///< px, in EPSG:4326 after warping
-  uint32_t height = 0;        ///< px
-  uint32_t bands = 1;         ///< 1 elevation or grey, 3 RGB, 4 RGBA as delivered
-  LonLatBounds bounds;        ///< pixel edges, not centres
-  bool wraps = false;         ///< spans 360 degrees: column -1 is column width - 1
+  std::string path;                               ///< as the user named it, for messages
+  uint32_t width = 0;                             ///< px, in EPSG:4326 after warping
+  uint32_t height = 0;                            ///< px
+  uint32_t bands = 1;                             ///< as delivered: 1 elevation, 4 imagery (RGBA)
+  LonLatBounds bounds;                            ///< pixel edges, not centres
+  bool wraps = false;                             ///< spans 360 degrees: column -1 is column width - 1
   VerticalDatum vertical = VerticalDatum::egm96;  ///< elevation only
 };
 
 /// Texels of one block, row 0 northernmost. `valid[i]` is 0 where there is no data (nodata value, alpha 0, mask).
 struct RasterBlock {
   uint32_t width = 0, height = 0;
-  std::vector<float> values;    ///< width * height * bands, band-interleaved by pixel; imagery 0..255, heights in m
-  std::vector<uint8_t> valid;   ///< width * height
+  std::vector<float> values;   ///< width * height * bands, band-interleaved by pixel; imagery 0..255, heights in m
+  std::vector<uint8_t> valid;  ///< width * height
 };
 
 /// A raster on the EPSG:4326 grid, whatever it was before. Blocks are read at power-of-two reductions, aligned to the
-/// raster's own pixels, so that the same place always yields the same numbers whichever block is asked for. Thread-safe.
+/// raster's own pixels, so that the same place always yields the same numbers whichever block is asked for.
+/// Thread-safe.
 class Raster {
  public:
   static constexpr uint32_t kBlockSize = 256;  ///< px per side of a block at any reduction
   virtual ~Raster() = default;
   virtual const RasterInfo& info() const = 0;
-  /// Number of useful reductions: at reduction k a pixel averages 2^k x 2^k source pixels (only the valid ones).
+  /// Number of useful reductions, 0 .. reductions() - 1: at reduction k a pixel averages 2^k x 2^k source pixels (only
+  /// the valid ones); at the last the raster fits one block.
   virtual uint32_t reductions() const = 0;
-  /// Block (bx, by) of the grid reduced by 2^k: pixels bx*256.. of ceil(width / 2^k). Edge blocks are smaller.
+  /// Block (bx, by) of the grid reduced by 2^k: pixels bx*256.. of ceil(width / 2^k). Edge blocks are smaller. Fails
+  /// with one line that names the file when it cannot be read or has no such block.
   virtual Result<RasterBlock> read_block(uint32_t reduction, uint32_t bx, uint32_t by) const = 0;
 };
 
@@ -52,7 +58,8 @@ class Raster {
 class RasterOpener {
  public:
   virtual ~RasterOpener() = default;
-  /// Elevation in metres, one band. Throws Error(input): missing file, no georeference, unknown CRS, no band.
+  /// Elevation in metres, one band, raw raster values: RasterInfo::vertical says above what, the caller adds the geoid.
+  /// Throws Error(input): missing file, no georeference, unknown CRS, no band.
   virtual std::shared_ptr<Raster> open_elevation(const std::string& path) const = 0;
   /// Imagery as RGBA, 0..255 sRGB (grey and palettes expanded).
   virtual std::shared_ptr<Raster> open_imagery(const std::string& path) const = 0;
