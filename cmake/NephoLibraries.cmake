@@ -12,6 +12,7 @@ pkg_check_modules(openexr REQUIRED IMPORTED_TARGET OpenEXR)
 pkg_check_modules(gdal REQUIRED IMPORTED_TARGET gdal)
 pkg_check_modules(erfa REQUIRED IMPORTED_TARGET erfa)
 pkg_check_modules(geographiclib REQUIRED IMPORTED_TARGET geographiclib)
+pkg_check_modules(spirv_cross REQUIRED IMPORTED_TARGET spirv-cross-c-shared)
 
 # Names for the LIBS line of nepho_module().
 add_library(lib_vulkan ALIAS Vulkan::Vulkan)
@@ -23,4 +24,5 @@ add_library(lib_gdal ALIAS PkgConfig::gdal)
 add_library(lib_erfa ALIAS PkgConfig::erfa)
 add_library(lib_geographiclib ALIAS PkgConfig::geographiclib)
 add_library(lib_json ALIAS nlohmann_json::nlohmann_json)
+add_library(lib_spirv_cross ALIAS PkgConfig::spirv_cross)
 add_library(lib_threads ALIAS Threads::Threads)

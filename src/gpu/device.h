@@ -13,20 +13,20 @@
 namespace nepho::gpu {
 
 struct DeviceInfo {
-  uint32_t index = 0;       ///< position in list_devices()
-  std::string name;         ///< as the driver reports it
-  std::string driver;       ///< driver name and version
-  std::string api_version;  ///< Vulkan version of the device, "1.3.230"
+  uint32_t index = 0;        ///< position in list_devices()
+  std::string name;          ///< as the driver reports it
+  std::string driver;        ///< driver name and version
+  std::string api_version;   ///< Vulkan version of the device, "1.3.230"
   bool is_software = false;  ///< a CPU implementation such as lavapipe
-  bool usable = false;      ///< has every feature that we need
-  std::string why_not;      ///< what is missing, when not usable
+  bool usable = false;       ///< has every feature that we need
+  std::string why_not;       ///< what is missing, when not usable
 };
 
 /// Every Vulkan device of this machine, usable or not. Empty without a Vulkan driver.
 std::vector<DeviceInfo> list_devices();
 
 struct DeviceOptions {
-  std::string device;       ///< index, or part of the name (case ignored); empty: a real GPU first, else software
+  std::string device = {};  ///< index, or part of the name (case ignored); empty: a real GPU first, else software
   bool validation = false;  ///< Khronos validation layer with synchronisation validation; messages are collected
 };
 
@@ -181,7 +181,8 @@ class Device {
   void end_commands_and_wait(VkCommandBuffer cmd);
   void release(Image& image);
   void release(Buffer& buffer);
-  static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+  static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                                   VkDebugUtilsMessageTypeFlagsEXT,
                                                    const VkDebugUtilsMessengerCallbackDataEXT*, void*);
 
   VkInstance instance_ = VK_NULL_HANDLE;

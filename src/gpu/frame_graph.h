@@ -30,8 +30,16 @@ struct BufferRef {
 
 /// How a pass touches a resource; stage, access and layout follow (frame_graph_compile.cpp).
 enum class Access {
-  sampled, storage_read, storage_write, storage_read_write, uniform,
-  color_attachment, depth_attachment, index_buffer, transfer_source, transfer_target,
+  sampled,
+  storage_read,
+  storage_write,
+  storage_read_write,
+  uniform,
+  color_attachment,
+  depth_attachment,
+  index_buffer,
+  transfer_source,
+  transfer_target,
 };
 
 /// One resource of a graph: transient (created by it), or imported (owned by the caller).
@@ -50,7 +58,7 @@ struct GraphResource {
 struct GraphUse {
   uint32_t resource = 0;
   Access access = Access::sampled;
-  std::string binding;  ///< name in the shader; empty for attachments and copies
+  std::string binding = {};  ///< name in the shader; empty for attachments and copies
   Sampler sampler = Sampler::linear_clamp;
   bool previous = false;  ///< last frame's contents of a history resource
   bool clear = false;     ///< attachments: cleared before the pass to clear_value
@@ -60,8 +68,8 @@ struct GraphUse {
 struct GraphPass {
   std::string name;
   std::vector<GraphUse> uses;
-  bool raster = false;       ///< has attachments
-  bool has_effect = false;   ///< never culled
+  bool raster = false;      ///< has attachments
+  bool has_effect = false;  ///< never culled
   std::function<void(gpu::Commands&)> record;
 };
 
@@ -109,7 +117,9 @@ class FrameGraph {
   /// A read-only buffer with these bytes for this frame.
   BufferRef constants(const std::string& name, const void* data, size_t size_bytes);
   template <typename T>
-  BufferRef constants(const std::string& name, const T& value) { return constants(name, &value, sizeof(T)); }
+  BufferRef constants(const std::string& name, const T& value) {
+    return constants(name, &value, sizeof(T));
+  }
   template <typename T>
   BufferRef constants(const std::string& name, const std::vector<T>& values) {
     return constants(name, values.data(), values.size() * sizeof(T));

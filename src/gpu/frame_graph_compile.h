@@ -40,7 +40,7 @@ struct CompiledGraph {
   std::vector<CompiledPass> passes;  ///< in order, without the culled ones
   std::vector<Placement> placements;
   uint32_t physical_count = 0;
-  std::vector<std::string> culled;               ///< names of passes whose outputs nobody uses
+  std::vector<std::string> culled;                           ///< names of passes whose outputs nobody uses
   std::vector<std::pair<Slot, ResourceState>> final_states;  ///< after the last pass
 };
 

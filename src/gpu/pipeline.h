@@ -13,7 +13,8 @@ struct ComputePipelineCreate {
   std::span<const uint32_t> spirv;
 };
 
-/// Raster pipelines pull their vertices from buffers: there is no vertex input state. Reversed Z, depth test GREATER_OR_EQUAL.
+/// Raster pipelines pull their vertices from buffers: there is no vertex input state. Reversed Z, depth test
+/// GREATER_OR_EQUAL.
 struct GraphicsPipelineCreate {
   std::string name;
   std::span<const uint32_t> vertex_spirv;
@@ -23,7 +24,8 @@ struct GraphicsPipelineCreate {
   bool cull_back = true;               ///< front faces are counter-clockwise seen from outside
 };
 
-/// What both kinds share: layouts that follow from the SPIR-V. Bindings are found by their GLSL variable (or block) names.
+/// What both kinds share: layouts that follow from the SPIR-V. Bindings are found by their GLSL variable (or block)
+/// names.
 class Pipeline {
  public:
   Pipeline() = default;

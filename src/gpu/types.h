@@ -7,11 +7,22 @@ namespace nepho {
 /// Texel formats in use. `_f` is floating point, `_u` unsigned integer, otherwise unsigned normalised.
 enum class Format {
   undefined,
-  r8, rg8, rgba8, rgba8_srgb,
-  r16, rg16, rg16_snorm,
-  r16f, rg16f, rgba16f,
-  r32f, rg32f, rgba32f,
-  r32u, rg32u, rgba32u,
+  r8,
+  rg8,
+  rgba8,
+  rgba8_srgb,
+  r16,
+  rg16,
+  rg16_snorm,
+  r16f,
+  rg16f,
+  rgba16f,
+  r32f,
+  rg32f,
+  rgba32f,
+  r32u,
+  rg32u,
+  rgba32u,
   d32f,
 };
 
@@ -48,7 +59,12 @@ struct BufferDesc {
 };
 
 /// Filter and addressing of a sampled image. `linear_*` also filters between mips.
-enum class Sampler { linear_clamp, linear_repeat, nearest_clamp, linear_repeat_u };  // repeat_u: repeat in u, clamp in v
+enum class Sampler {
+  linear_clamp,
+  linear_repeat,
+  nearest_clamp,
+  linear_repeat_u
+};  // repeat_u: repeat in u, clamp in v
 
 inline Extent2D half_of(Extent2D e) { return {(e.width + 1) / 2, (e.height + 1) / 2}; }
 
