@@ -1,0 +1,76 @@
+#include "render/output_layers.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/shared.h"
+
+namespace nepho {
+
+namespace {
+
+/// Adds a channel filled by f(pixel index).
+template <typename F>
+void add_channel(ImageBuffer& out, const std::string& name, const F& f) {
+  const size_t count = size_t{out.width} * out.height;
+  ImageChannel channel{name, std::vector<float>(count)};
+  for (size_t i = 0; i < count; ++i) channel.values[i] = f(i);
+  out.channels.push_back(std::move(channel));
+}
+
+void add_rgb(ImageBuffer& out, const std::string& prefix, const std::vector<float>& rgba) {
+  constexpr const char* names[] = {"R", "G", "B"};
+  for (size_t c = 0; c < 3; ++c) add_channel(out, prefix + names[c], [&](size_t i) { return rgba[4 * i + c]; });
+}
+
+void add_positions(ImageBuffer& out, const FrameReadback& frame, const CameraPose& pose) {
+  const size_t count = size_t{out.width} * out.height;
+  const double tan_y = std::tan(0.5 * pose.fov_rad);
+  const double tan_x = tan_y * out.width / out.height;
+  constexpr const char* names[] = {"dx_m", "dy_m", "dz_m", "lat_deg", "lon_deg", "height_m"};
+  std::vector<ImageChannel> channels;
+  for (const char* name : names) channels.push_back({std::string("position.") + name, std::vector<float>(count, 0.0f)});
+  for (size_t i = 0; i < count; ++i) {
+    const double depth = static_cast<double>(frame.depth_m[i]);
+    if (depth >= 0.5 * static_cast<double>(shared::kFarDepth_m)) continue;
+    const double x = 2.0 * (static_cast<double>(i % out.width) + 0.5) / out.width - 1.0;
+    const double y = 1.0 - 2.0 * (static_cast<double>(i / out.width) + 0.5) / out.height;
+    const vec3 d = vec3(glm::normalize(pose.axes.forward + x * tan_x * pose.axes.right + y * tan_y * pose.axes.up) * depth);
+    const Geodetic at = geodetic_from_ecef(pose.ecef_m + dvec3(d));
+    const float values[] = {d.x, d.y, d.z, static_cast<float>(at.lat_deg()), static_cast<float>(at.lon_deg()),
+                            static_cast<float>(at.height_m)};
+    for (size_t c = 0; c < channels.size(); ++c) channels[c].values[i] = values[c];
+  }
+  for (ImageChannel& c : channels) out.channels.push_back(std::move(c));
+}
+
+}  // namespace
+
+const std::vector<std::string>& known_layers() {
+  static const std::vector<std::string> names = {"depth",  "position",      "surface",     "surface.mask",       "albedo",
+                                                 "cloud",  "cloud.transmittance", "cloud.optical_depth", "cloud.depth_m", "cloud.layer"};
+  return names;
+}
+
+ImageBuffer make_output_layers(const FrameReadback& frame, const CameraPose& pose, const std::set<std::string>& wanted) {
+  ImageBuffer out;
+  out.width = frame.extent.width;
+  out.height = frame.extent.height;
+  const auto want = [&](const std::string& name) { return wanted.empty() || wanted.contains(name); };
+  add_rgb(out, "", frame.radiance);
+  if (want("depth")) add_channel(out, "depth.Z", [&](size_t i) { return frame.depth_m[i]; });
+  if (want("position")) add_positions(out, frame, pose);
+  if (want("surface")) add_rgb(out, "surface.", frame.background);
+  if (want("surface.mask") || wanted.contains("surface"))
+    add_channel(out, "surface.mask", [&](size_t i) { return std::round(frame.albedo[4 * i + 3]); });
+  if (want("albedo")) add_rgb(out, "albedo.", frame.albedo);
+  if (want("cloud")) add_rgb(out, "cloud.", frame.cloud);
+  const bool whole_cloud = wanted.contains("cloud");
+  if (whole_cloud || want("cloud.transmittance")) add_channel(out, "cloud.transmittance", [&](size_t i) { return frame.cloud[4 * i + 3]; });
+  if (whole_cloud || want("cloud.depth_m")) add_channel(out, "cloud.depth_m", [&](size_t i) { return frame.cloud_info[4 * i]; });
+  if (whole_cloud || want("cloud.optical_depth")) add_channel(out, "cloud.optical_depth", [&](size_t i) { return frame.cloud_info[4 * i + 1]; });
+  if (whole_cloud || want("cloud.layer")) add_channel(out, "cloud.layer", [&](size_t i) { return frame.cloud_info[4 * i + 2]; });
+  return out;
+}
+
+}  // namespace nepho

@@ -1,0 +1,31 @@
+#pragma once
+#include <set>
+#include <string>
+#include <vector>
+
+#include "gpu/types.h"
+#include "io/image_buffer.h"
+#include "render/camera_pose.h"
+
+namespace nepho {
+
+/// Images of a finished frame as they came from the GPU, row 0 on top.
+struct FrameReadback {
+  Extent2D extent;
+  std::vector<float> radiance;    ///< RGBA, cd/m2
+  std::vector<float> background;  ///< RGBA, cd/m2
+  std::vector<float> depth_m;     ///< R
+  std::vector<float> albedo;      ///< RGBA; a: 0 sky, 1 land, 2 water
+  std::vector<float> cloud;       ///< RGBA: premultiplied radiance, transmittance
+  std::vector<float> cloud_info;  ///< RGBA: depth_m, optical depth, layer, -
+};
+
+/// Names that `--aov` knows, each with the channels that it stands for ("position" -> position.lat_deg, ...).
+const std::vector<std::string>& known_layers();
+
+/// The layers of DESIGN.md, 'Images that mean something'. `wanted` empty: all. R, G, B are always there.
+/// Positions: dx, dy, dz are the pixel's own ray times its depth, in double, narrowed once; degrees and height follow from
+/// the narrowed values, so that they agree with each other to the rounding of the degrees.
+ImageBuffer make_output_layers(const FrameReadback& frame, const CameraPose& pose, const std::set<std::string>& wanted);
+
+}  // namespace nepho

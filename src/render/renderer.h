@@ -1,0 +1,60 @@
+#pragma once
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "gpu/graph_executor.h"
+#include "io/image_buffer.h"
+#include "render/camera_pose.h"
+#include "scene/scene.h"
+#include "terrain/terrain.h"
+
+namespace nepho {
+
+/// Wall-clock and GPU times of a render, ms.
+struct RenderTimings {
+  double startup_ms = 0.0;      ///< making the renderer: pipelines, tables, noise, weather
+  double atmosphere_ms = 0.0;   ///< of startup: atmosphere tables
+  bool atmosphere_cached = false;
+  double clouds_ms = 0.0;       ///< of startup: noise and weather
+  double terrain_ms = 0.0;      ///< selecting, loading and uploading tiles for this view
+  double frame_ms = 0.0;        ///< recording, GPU work and wait of one frame (mean over frames)
+  double readback_ms = 0.0;     ///< downloads and output layers
+  std::vector<gpu::PassTiming> passes;  ///< of the last frame
+  uint64_t gpu_memory_bytes = 0;
+};
+
+struct RenderRequest {
+  bool display = true;             ///< make the 8-bit picture
+  bool layers = true;              ///< make the float layers
+  std::set<std::string> wanted;    ///< layer names; empty: all
+};
+
+struct RenderResult {
+  ImageBuffer layers;               ///< scene-linear, cd/m2, with the asked layers
+  std::vector<uint8_t> display_rgb;  ///< sRGB, 8 bit, width * height * 3
+  CameraPose pose;
+  double ev100 = 0.0;  ///< exposure of the 8-bit picture
+};
+
+/// Draws scenes: orders one frame as docs/architecture.md tells it. Holds tables, noise and tiles between frames.
+class Renderer {
+ public:
+  /// Throws Error for parameters out of range or when GPU memory is short.
+  Renderer(gpu::Device& device, TerrainSources sources, const Scene& scene);
+  ~Renderer();
+  /// The camera of the scene, placed on the drawn ground where its height depends on it.
+  CameraPose pose() const;
+  RenderResult render(const RenderRequest& request);
+  const RenderTimings& timings() const { return timings_; }
+
+ private:
+  struct Parts;
+  Scene scene_;
+  gpu::Device& device_;
+  RenderTimings timings_;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace nepho
