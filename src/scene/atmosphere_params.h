@@ -14,26 +14,27 @@ struct RayleighParams {
 
 /// Aerosol.
 struct MieParams {
-  glm::dvec3 scattering_per_m = {3.996e-6, 3.996e-6, 3.996e-6};  ///< at height 0, 1/m, >= 0 (Bruneton 2017: 0.9 of extinction)
-  glm::dvec3 extinction_per_m = {4.44e-6, 4.44e-6, 4.44e-6};     ///< at height 0, 1/m, >= scattering
-  double scale_height_m = 1200.0;                                ///< m, > 0
-  double phase_g = 0.8;                                          ///< Cornette-Shanks asymmetry, (-1, 1)
+  glm::dvec3 scattering_per_m = {3.996e-6, 3.996e-6,
+                                 3.996e-6};  ///< at height 0, 1/m, >= 0 (Bruneton 2017: 0.9 of extinction)
+  glm::dvec3 extinction_per_m = {4.44e-6, 4.44e-6, 4.44e-6};  ///< at height 0, 1/m, >= scattering
+  double scale_height_m = 1200.0;                             ///< m, > 0
+  double phase_g = 0.8;                                       ///< Cornette-Shanks asymmetry, (-1, 1)
   bool operator==(const MieParams&) const = default;
 };
 
 /// Ozone: absorbs only; a tent of density 1 at `center_m`, 0 at center -+ half_width.
 struct OzoneParams {
   glm::dvec3 absorption_per_m = {6.497166e-07, 1.8809e-06, 8.501668e-08};  ///< at the tent's top, 1/m, >= 0 (300 DU)
-  double center_m = 25000.0;      ///< m
-  double half_width_m = 15000.0;  ///< m, > 0
+  double center_m = 25000.0;                                               ///< m
+  double half_width_m = 15000.0;                                           ///< m, > 0
   bool operator==(const OzoneParams&) const = default;
 };
 
 /// Clear air over an ellipsoid. Equal parameters keep their tables.
 struct AtmosphereParams {
-  double equatorial_radius_m = 6378137.0;       ///< a, m. Default: WGS84
-  double polar_radius_m = 6356752.314245179;    ///< b, m
-  double top_height_m = 60000.0;                ///< above the ground, m; several scale heights (Bruneton 2017)
+  double equatorial_radius_m = 6378137.0;     ///< a, m. Default: WGS84
+  double polar_radius_m = 6356752.314245179;  ///< b, m
+  double top_height_m = 60000.0;              ///< above the ground, m; several scale heights (Bruneton 2017)
   RayleighParams rayleigh;
   MieParams mie;
   OzoneParams ozone;

@@ -19,15 +19,15 @@ struct LookAt {
 
 /// Where the picture is taken from. Degrees here, at the edge of the program; radians inside.
 struct CameraParams {
-  double lat_deg = 35.5106;           ///< geodetic, -90..90
-  double lon_deg = 138.7546;          ///< -180..360
-  std::optional<double> height_m;     ///< above the ellipsoid
-  std::optional<double> agl_m;        ///< above the ground; with neither: 2 m above the ground
-  double heading_deg = 0.0;           ///< clockwise from north
-  double pitch_deg = 0.0;             ///< 0 the horizon, -90 straight down
-  double roll_deg = 0.0;              ///< clockwise as seen from behind the camera
-  std::optional<LookAt> look_at;      ///< overrides heading and pitch
-  double fov_deg = 45.0;              ///< vertical, (0, 180)
+  double lat_deg = 35.5106;        ///< geodetic, -90..90
+  double lon_deg = 138.7546;       ///< -180..360
+  std::optional<double> height_m;  ///< above the ellipsoid
+  std::optional<double> agl_m;     ///< above the ground; with neither: 2 m above the ground
+  double heading_deg = 0.0;        ///< clockwise from north
+  double pitch_deg = 0.0;          ///< 0 the horizon, -90 straight down
+  double roll_deg = 0.0;           ///< clockwise as seen from behind the camera
+  std::optional<LookAt> look_at;   ///< overrides heading and pitch
+  double fov_deg = 45.0;           ///< vertical, (0, 180)
   bool operator==(const CameraParams&) const = default;
 };
 
@@ -44,13 +44,13 @@ struct ImageryParams {
 };
 
 struct RenderParams {
-  uint32_t width = 640;                ///< px, 1..16384
-  uint32_t height = 360;               ///< px
-  std::string quality = "high";        ///< low, medium, high, ultra
-  uint32_t frames = 1;                 ///< frames accumulated, >= 1
+  uint32_t width = 640;          ///< px, 1..16384
+  uint32_t height = 360;         ///< px
+  std::string quality = "high";  ///< low, medium, high, ultra
+  uint32_t frames = 1;           ///< frames accumulated, >= 1
   uint32_t seed = 0;
   std::optional<double> exposure_ev100;  ///< without: from the picture's log-average luminance
-  std::string tone_curve = "agx";      ///< aces, agx, reinhard, linear
+  std::string tone_curve = "agx";        ///< aces, agx, reinhard, linear
   bool operator==(const RenderParams&) const = default;
 };
 

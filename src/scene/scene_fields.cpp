@@ -1,0 +1,383 @@
+#include "scene/scene_fields.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace nepho {
+
+namespace {
+
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
+Range closed(double min, double max) { return {.min = min, .max = max}; }
+Range open(double min, double max) { return {.min = min, .max = max, .min_open = true, .max_open = true}; }
+Range above(double min, double max = kUnbounded) { return {.min = min, .max = max, .min_open = true}; }
+
+// Below the deepest trench; beyond the Moon's orbit no cloud is a pixel wide.
+const Range kHeights = closed(-12000.0, 1e9);
+const Range kShare = closed(0.0, 1.0);
+
+void describe(FieldVisitor& v, LookAt& p) {
+  v.leaf({.name = "lat_deg",
+          .doc = "latitude, north positive",
+          .unit = "deg",
+          .range = closed(-90, 90),
+          .term = "geodetic latitude"},
+         &p.lat_deg);
+  v.leaf({.name = "lon_deg", .doc = "longitude, east positive", .unit = "deg", .range = closed(-180, 360)}, &p.lon_deg);
+  v.leaf({.name = "height_m",
+          .doc = "height above the WGS84 ellipsoid; null: the ground there",
+          .unit = "m",
+          .range = kHeights,
+          .term = "ellipsoidal height"},
+         &p.height_m);
+}
+
+void describe(FieldVisitor& v, CameraParams& p) {
+  v.leaf({.name = "lat_deg",
+          .doc = "latitude, north positive",
+          .unit = "deg",
+          .range = closed(-90, 90),
+          .term = "geodetic latitude"},
+         &p.lat_deg);
+  v.leaf({.name = "lon_deg", .doc = "longitude, east positive", .unit = "deg", .range = closed(-180, 360)}, &p.lon_deg);
+  v.leaf({.name = "height_m",
+          .doc = "height above the WGS84 ellipsoid; null: see agl_m",
+          .unit = "m",
+          .range = kHeights,
+          .term = "ellipsoidal height"},
+         &p.height_m);
+  v.leaf({.name = "agl_m",
+          .doc = "height above the ground, instead of height_m; with neither the camera stands 2 m above the ground",
+          .unit = "m",
+          .range = closed(0, 1e9),
+          .term = "height above ground level"},
+         &p.agl_m);
+  v.leaf({.name = "heading_deg",
+          .doc = "direction of view, clockwise from north",
+          .unit = "deg",
+          .range = closed(-360, 360),
+          .term = "azimuth"},
+         &p.heading_deg);
+  v.leaf({.name = "pitch_deg",
+          .doc = "direction of view: 0 the horizontal, -90 straight down",
+          .unit = "deg",
+          .range = closed(-90, 90),
+          .term = "elevation angle"},
+         &p.pitch_deg);
+  v.leaf({.name = "roll_deg",
+          .doc = "turn of the camera about its axis, clockwise as seen from behind it",
+          .unit = "deg",
+          .range = closed(-360, 360)},
+         &p.roll_deg);
+  v.items({.name = "look_at", .doc = "a point to look at, instead of heading and pitch; null: none"},
+          {.list = false,
+           .max = 1,
+           .size = [&p] { return p.look_at ? size_t{1} : size_t{0}; },
+           .resize =
+               [&p](size_t n) {
+                 p.look_at.reset();
+                 if (n > 0) p.look_at.emplace();
+               },
+           .visit = [&p](FieldVisitor& visitor, size_t) { describe(visitor, *p.look_at); },
+           .visit_default =
+               [](FieldVisitor& visitor) {
+                 LookAt defaults;
+                 describe(visitor, defaults);
+               }});
+  v.leaf({.name = "fov_deg",
+          .doc = "vertical angle of view",
+          .unit = "deg",
+          .range = open(0, 180),
+          .term = "vertical field of view"},
+         &p.fov_deg);
+}
+
+void describe(FieldVisitor& v, RayleighParams& p) {
+  v.leaf({.name = "scattering_per_m",
+          .doc = "scattering coefficient at height 0; more makes the sky bluer and sunsets redder",
+          .unit = "1/m",
+          .range = closed(0, 1),
+          .term = "beta_R; 1.24062e-6 lambda_um^-4 (Bruneton 2017)"},
+         &p.scattering_per_m);
+  v.leaf({.name = "scale_height_m",
+          .doc = "height over which the density falls by e",
+          .unit = "m",
+          .range = above(0, 1e6),
+          .term = "H_R"},
+         &p.scale_height_m);
+}
+
+void describe(FieldVisitor& v, MieParams& p) {
+  v.leaf({.name = "scattering_per_m",
+          .doc = "scattering coefficient of aerosol at height 0; more makes the air hazier",
+          .unit = "1/m",
+          .range = closed(0, 1),
+          .term = "beta_M"},
+         &p.scattering_per_m);
+  v.leaf({.name = "extinction_per_m",
+          .doc = "extinction coefficient of aerosol at height 0, not below scattering_per_m",
+          .unit = "1/m",
+          .range = closed(0, 1),
+          .term = "beta_M / single-scattering albedo"},
+         &p.extinction_per_m);
+  v.leaf({.name = "scale_height_m",
+          .doc = "height over which the density falls by e",
+          .unit = "m",
+          .range = above(0, 1e6),
+          .term = "H_M"},
+         &p.scale_height_m);
+  v.leaf({.name = "phase_g",
+          .doc = "asymmetry of aerosol scattering; towards 1 the glow around the sun is smaller and brighter",
+          .range = open(-1, 1),
+          .term = "g of Cornette-Shanks 1992"},
+         &p.phase_g);
+}
+
+void describe(FieldVisitor& v, OzoneParams& p) {
+  v.leaf({.name = "absorption_per_m",
+          .doc = "absorption coefficient where ozone is densest; more makes twilight bluer",
+          .unit = "1/m",
+          .range = closed(0, 1),
+          .term = "300 Dobson units (Bruneton 2017)"},
+         &p.absorption_per_m);
+  v.leaf({.name = "center_m", .doc = "height where ozone is densest", .unit = "m", .range = closed(0, 1e6)},
+         &p.center_m);
+  v.leaf({.name = "half_width_m",
+          .doc = "distance from there, up and down, over which the density falls to 0",
+          .unit = "m",
+          .range = above(0, 1e6)},
+         &p.half_width_m);
+}
+
+void describe(FieldVisitor& v, AtmosphereParams& p) {
+  v.leaf({.name = "equatorial_radius_m",
+          .doc = "radius of the planet at its equator",
+          .unit = "m",
+          .range = closed(1e5, 1e9),
+          .term = "a of WGS84"},
+         &p.equatorial_radius_m);
+  v.leaf({.name = "polar_radius_m",
+          .doc = "radius of the planet at its poles",
+          .unit = "m",
+          .range = closed(1e5, 1e9),
+          .term = "b of WGS84"},
+         &p.polar_radius_m);
+  v.leaf({.name = "top_height_m",
+          .doc = "height above the ellipsoid where the air ends",
+          .unit = "m",
+          .range = closed(1000, 1e6),
+          .term = "top of the atmosphere (Bruneton 2017)"},
+         &p.top_height_m);
+  v.group({.name = "rayleigh", .doc = "scattering by the molecules of the air"}, [&] { describe(v, p.rayleigh); });
+  v.group({.name = "mie", .doc = "scattering and absorption by aerosol"}, [&] { describe(v, p.mie); });
+  v.group({.name = "ozone", .doc = "absorption by ozone"}, [&] { describe(v, p.ozone); });
+  v.leaf({.name = "solar_irradiance_W_m2_nm",
+          .doc = "spectral irradiance of the sun at 1 au, above the air",
+          .unit = "W/(m^2 nm)",
+          .range = closed(0, 1000),
+          .term = "ASTM G173 as in Bruneton 2017"},
+         &p.solar_irradiance_W_m2_nm);
+  v.leaf({.name = "ground_albedo",
+          .doc = "mean reflectance of the ground that lights the sky from below",
+          .range = kShare,
+          .term = "Lambertian albedo"},
+         &p.ground_albedo);
+  v.leaf({.name = "min_sun_zenith_cos",
+          .doc = "cosine of the largest zenith angle of the sun that the tables hold; below it is night",
+          .range = {.min = -1.0, .max = 0.0, .max_open = true},
+          .term = "mu_s_min (Bruneton 2017)"},
+         &p.min_sun_zenith_cos);
+  v.leaf({.name = "scattering_orders",
+          .doc = "how often light is scattered at most; 1 is single scattering",
+          .range = closed(1, 20),
+          .term = "number of scattering orders"},
+         &p.scattering_orders);
+}
+
+void describe(FieldVisitor& v, CloudLayer& p) {
+  v.leaf({.name = "base_m", .doc = "height of the base above the ellipsoid", .unit = "m", .range = closed(-500, 1e5)},
+         &p.base_m);
+  v.leaf({.name = "thickness_m",
+          .doc = "height of the top above the base; 0 leaves the layer out",
+          .unit = "m",
+          .range = closed(0, 1e5)},
+         &p.thickness_m);
+  v.leaf({.name = "extinction_per_m",
+          .doc = "extinction coefficient at density 1; more darkens bases and sharpens edges",
+          .unit = "1/m",
+          .range = closed(0, 10),
+          .term = "sigma_t"},
+         &p.extinction_per_m);
+  v.leaf({.name = "shape_amount", .doc = "how much the coarse noise carves", .range = kShare}, &p.shape_amount);
+  v.leaf({.name = "detail_amount", .doc = "how much the fine noise erodes the edges", .range = kShare},
+         &p.detail_amount);
+}
+
+void describe(FieldVisitor& v, CloudParams& p) {
+  v.leaf({.name = "coverage",
+          .doc = "vertically projected share of the sky with optical depth > 1; 0 is clear",
+          .range = kShare,
+          .term = "cloud fraction"},
+         &p.coverage);
+  v.items({.name = "layers", .doc = "cloud layers; only the first is drawn so far"},
+          {.list = true,
+           .max = 4,
+           .size = [&p] { return p.layers.size(); },
+           .resize =
+               [&p](size_t n) {
+                 p.layers.clear();
+                 p.layers.resize(n);
+               },
+           .visit = [&p](FieldVisitor& visitor, size_t i) { describe(visitor, p.layers[i]); },
+           .visit_default =
+               [](FieldVisitor& visitor) {
+                 CloudLayer defaults;
+                 describe(visitor, defaults);
+               }});
+  v.leaf({.name = "weather_seed", .doc = "another number, another planet's weather", .range = closed(0, 4294967295.0)},
+         &p.weather_seed);
+  v.leaf({.name = "weather_contrast",
+          .doc = "how far large-scale weather departs from coverage: 0 the same everywhere, 0.9 clear deserts beside "
+                 "overcast storms; the mean over the globe stays coverage",
+          .range = closed(0, 0.95)},
+         &p.weather_contrast);
+  v.leaf({.name = "wind_east_mps",
+          .doc = "eastward drift of the whole field at the equator",
+          .unit = "m/s",
+          .range = closed(-200, 200),
+          .term = "zonal wind u"},
+         &p.wind_east_mps);
+  v.leaf({.name = "uniform_density",
+          .doc = "above 0 the first layer is an even slab of this density, for tests of the march",
+          .range = closed(0, 10)},
+         &p.uniform_density);
+  v.leaf({.name = "phase_g_forward",
+          .doc = "asymmetry of the forward lobe of scattering by droplets; towards 1 the silver lining is brighter",
+          .range = open(-1, 1),
+          .term = "g of Henyey-Greenstein 1941"},
+         &p.phase_g_forward);
+  v.leaf({.name = "phase_g_backward",
+          .doc = "asymmetry of the backward lobe; towards -1 clouds opposite the sun are brighter",
+          .range = open(-1, 1),
+          .term = "g of Henyey-Greenstein 1941"},
+         &p.phase_g_backward);
+  v.leaf({.name = "phase_backward_weight", .doc = "share of the backward lobe", .range = kShare},
+         &p.phase_backward_weight);
+}
+
+void describe(FieldVisitor& v, TerrainParams& p) {
+  v.leaf({.name = "elevation",
+          .doc = "elevation rasters over the default Earth, later ones over earlier ones; paths relative to the scene "
+                 "file",
+          .text = TextKind::file},
+         &p.elevation);
+  v.leaf({.name = "default_earth",
+          .doc = "elevation and imagery of the whole Earth from Debian packages, where they are installed"},
+         &p.default_earth);
+  v.leaf({.name = "screen_error_px",
+          .doc = "largest error of the ground's shape on screen; more is faster and coarser",
+          .unit = "px",
+          .range = closed(0.05, 64),
+          .term = "screen-space error"},
+         &p.screen_error_px);
+}
+
+void describe(FieldVisitor& v, ImageryParams& p) {
+  v.leaf({.name = "files",
+          .doc = "imagery rasters over the default Earth, later ones over earlier ones; paths relative to the scene "
+                 "file",
+          .text = TextKind::file},
+         &p.files);
+}
+
+void describe(FieldVisitor& v, RenderParams& p) {
+  v.leaf({.name = "width", .doc = "width of the picture", .unit = "px", .range = closed(1, 16384)}, &p.width);
+  v.leaf({.name = "height", .doc = "height of the picture", .unit = "px", .range = closed(1, 16384)}, &p.height);
+  v.leaf({.name = "quality",
+          .doc = "preset of steps and sizes; higher is slower and finer",
+          .choices = {"low", "medium", "high", "ultra"}},
+         &p.quality);
+  v.leaf({.name = "frames", .doc = "frames that are accumulated into the picture", .range = closed(1, 4096)},
+         &p.frames);
+  v.leaf({.name = "seed", .doc = "start of every pseudo-random sequence", .range = closed(0, 4294967295.0)}, &p.seed);
+  v.leaf({.name = "exposure_ev100",
+          .doc = "exposure of PNG pictures; null: from the picture's log-average luminance",
+          .unit = "EV",
+          .range = closed(-30, 40),
+          .term = "exposure value at ISO 100 (ISO 2720)"},
+         &p.exposure_ev100);
+  v.leaf({.name = "tone_curve",
+          .doc = "how radiance becomes the colours of PNG pictures",
+          .term = "tone mapping operator",
+          .choices = {"aces", "agx", "reinhard", "linear"}},
+         &p.tone_curve);
+}
+
+}  // namespace
+
+bool Range::contains(double value) const {
+  if (!std::isfinite(value)) return false;
+  return (min_open ? value > min : value >= min) && (max_open ? value < max : value <= max);
+}
+
+std::string Range::text(const std::string& unit) const {
+  const std::string suffix = unit.empty() ? "" : " " + unit;
+  const bool has_min = std::isfinite(min), has_max = std::isfinite(max);
+  if (!has_min && !has_max) return "any finite number";
+  if (has_min && has_max && !min_open && !max_open) return fmt::format("{}..{}{}", min, max, suffix);
+  const std::string low = has_min ? fmt::format("{} {}", min_open ? ">" : ">=", min) : "";
+  const std::string high = has_max ? fmt::format("{} {}", max_open ? "<" : "<=", max) : "";
+  return low + (has_min && has_max ? " and " : "") + high + suffix;
+}
+
+namespace {
+/// Appends a segment to a path for as long as it lives.
+class PathScope {
+ public:
+  PathScope(std::string& path, const std::string& segment) : path_(path), length_(path.size()) {
+    if (!path_.empty() && segment[0] != '[') path_ += '.';
+    path_ += segment;
+  }
+  ~PathScope() { path_.resize(length_); }
+  PathScope(const PathScope&) = delete;
+  PathScope& operator=(const PathScope&) = delete;
+
+ private:
+  std::string& path_;
+  size_t length_;
+};
+}  // namespace
+
+void FieldVisitor::leaf(const Field& field, Leaf value) {
+  const PathScope scope(path_, field.name);
+  on_leaf(field, value);
+}
+void FieldVisitor::group(const Field& field, const std::function<void()>& members) {
+  const PathScope scope(path_, field.name);
+  on_group(field, members);
+}
+void FieldVisitor::items(const Field& field, const Items& items) {
+  const PathScope scope(path_, field.name);
+  on_items(field, items);
+}
+void FieldVisitor::at_index(size_t index, const std::function<void()>& visit) {
+  const PathScope scope(path_, fmt::format("[{}]", index));
+  visit();
+}
+
+void visit_fields(FieldVisitor& v, Scene& scene) {
+  v.leaf({.name = "time",
+          .doc = "UTC, ISO 8601, from 1900 to 2100; a zone such as +09:00 is converted, none means UTC",
+          .text = TextKind::utc},
+         &scene.time);
+  v.group({.name = "camera", .doc = "where the picture is taken from"}, [&] { describe(v, scene.camera); });
+  v.group({.name = "atmosphere", .doc = "clear air; vectors hold the values at 680, 550, 440 nm"},
+          [&] { describe(v, scene.atmosphere); });
+  v.group({.name = "clouds", .doc = "the sky's clouds"}, [&] { describe(v, scene.clouds); });
+  v.group({.name = "terrain", .doc = "the shape of the ground"}, [&] { describe(v, scene.terrain); });
+  v.group({.name = "imagery", .doc = "the colours of the ground"}, [&] { describe(v, scene.imagery); });
+  v.group({.name = "render", .doc = "the picture"}, [&] { describe(v, scene.render); });
+}
+
+}  // namespace nepho

@@ -1,0 +1,245 @@
+#include "scene/scene_json.h"
+
+#include <cmath>
+#include <fstream>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "scene/json_text.h"
+#include "scene/scene_fields.h"
+#include "scene/scene_time.h"
+#include "scene/scene_validate.h"
+
+namespace nepho {
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Fills a scene from a JSON object. Types and integers are checked here, ranges by validate().
+class Reader : public FieldVisitor {
+ public:
+  Reader(const Json& root, std::string source) : source_(std::move(source)) { open(root); }
+  /// To be called after the visit.
+  void finish() { close(); }
+
+ protected:
+  void on_leaf(const Field& field, Leaf value) override {
+    if (const Json* json = find(field)) std::visit([&](auto* p) { read(field, *json, *p); }, value);
+  }
+  void on_group(const Field& field, const std::function<void()>& members) override {
+    const Json* json = find(field);
+    if (!json) return;
+    open(*json);
+    members();
+    close();
+  }
+  void on_items(const Field& field, const Items& items) override {
+    const Json* json = find(field);
+    if (!json) return;
+    if (!items.list) {
+      items.resize(json->is_null() ? 0 : 1);
+      if (json->is_null()) return;
+      open(*json);
+      items.visit(*this, 0);
+      close();
+      return;
+    }
+    if (!json->is_array()) throw wrong_type("a list", *json);
+    if (json->size() > items.max)
+      throw fail(ErrorKind::input, "{}: {}: {} items found; {} at most", source_, path(), json->size(), items.max);
+    items.resize(json->size());
+    for (size_t i = 0; i < json->size(); ++i)
+      at_index(i, [&] {
+        open((*json)[i]);
+        items.visit(*this, i);
+        close();
+      });
+  }
+
+ private:
+  struct OpenObject {
+    const Json* json;
+    std::vector<std::string> known;
+  };
+
+  void open(const Json& json) {
+    if (!json.is_object()) throw wrong_type("an object", json);
+    open_.push_back({&json, {}});
+  }
+  void close() {
+    const OpenObject& object = open_.back();
+    for (const auto& [key, value] : object.json->items()) {
+      if (std::find(object.known.begin(), object.known.end(), key) != object.known.end()) continue;
+      if (open_.size() == 1 && key == "$schema" && value.is_string()) continue;  // editors look there
+      const std::string nearest = nearest_name(key, object.known);
+      throw fail(ErrorKind::input, "{}: unknown key '{}{}{}'; {}", source_, path(), path().empty() ? "" : ".", key,
+                 nearest.empty() ? fmt::format("known here: {}", fmt::join(object.known, ", "))
+                                 : fmt::format("did you mean '{}'?", nearest));
+    }
+    open_.pop_back();
+  }
+  const Json* find(const Field& field) {
+    open_.back().known.push_back(field.name);
+    const auto found = open_.back().json->find(field.name);
+    return found == open_.back().json->end() ? nullptr : &*found;
+  }
+  Error wrong_type(const char* expected, const Json& found) const {
+    return fail(ErrorKind::input, "{}: {}{}expected {}, found {}", source_, path(), path().empty() ? "" : ": ",
+                expected, describe_json(found));
+  }
+
+  void read(const Field&, const Json& json, double& value) const {
+    if (!json.is_number()) throw wrong_type("a number", json);
+    value = json.get<double>();
+  }
+  void read(const Field& field, const Json& json, std::optional<double>& value) const {
+    if (json.is_null()) {
+      value.reset();
+    } else {
+      if (!json.is_number()) throw wrong_type("a number or null", json);
+      read(field, json, value.emplace());
+    }
+  }
+  void read(const Field& field, const Json& json, glm::dvec3& value) const {
+    if (!json.is_array() || json.size() != 3) throw wrong_type("a list of 3 numbers", json);
+    for (int i = 0; i < 3; ++i) read(field, json[static_cast<size_t>(i)], value[i]);
+  }
+  /// A whole number within the field's range, which fits the member's type.
+  double whole_number(const Field& field, const Json& json) const {
+    if (!json.is_number() || std::floor(json.get<double>()) != json.get<double>())
+      throw wrong_type("a whole number", json);
+    if (!field.range.contains(json.get<double>()))
+      throw fail(ErrorKind::input, "{}: {}: {} is out of range; allowed: {}", source_, path(), json.dump(),
+                 field.range.text(field.unit));
+    return json.get<double>();
+  }
+  void read(const Field& field, const Json& json, uint32_t& value) const {
+    value = static_cast<uint32_t>(whole_number(field, json));
+  }
+  void read(const Field& field, const Json& json, int& value) const {
+    value = static_cast<int>(whole_number(field, json));
+  }
+  void read(const Field&, const Json& json, bool& value) const {
+    if (!json.is_boolean()) throw wrong_type("true or false", json);
+    value = json.get<bool>();
+  }
+  void read(const Field& field, const Json& json, std::string& value) const {
+    if (!json.is_string()) throw wrong_type("a string", json);
+    value = json.get<std::string>();
+    if (field.text != TextKind::utc) return;
+    try {
+      value = canonical_utc(value);
+    } catch (const Error& e) {
+      throw fail(ErrorKind::input, "{}: {}: {}", source_, path(), e.what());
+    }
+  }
+  void read(const Field& field, const Json& json, std::vector<std::string>& values) const {
+    if (!json.is_array()) throw wrong_type("a list of strings", json);
+    values.clear();
+    for (const Json& item : json) read(field, item, values.emplace_back());
+  }
+
+  std::string source_;
+  std::vector<OpenObject> open_;
+};
+
+class Writer : public FieldVisitor {
+ public:
+  Json root = Json::object();
+
+ protected:
+  void on_leaf(const Field& field, Leaf value) override {
+    std::visit([&](auto* p) { (*at_)[field.name] = json_of(*p); }, value);
+  }
+  void on_group(const Field& field, const std::function<void()>& members) override {
+    write_object((*at_)[field.name], members);
+  }
+  void on_items(const Field& field, const Items& items) override {
+    Json& json = (*at_)[field.name];
+    if (!items.list) {
+      if (items.size() > 0) write_object(json, [&] { items.visit(*this, 0); });
+      return;  // null otherwise
+    }
+    json = Json::array();
+    for (size_t i = 0; i < items.size(); ++i) {
+      Json item;
+      write_object(item, [&] { items.visit(*this, i); });
+      json.push_back(std::move(item));
+    }
+  }
+
+ private:
+  void write_object(Json& json, const std::function<void()>& members) {
+    json = Json::object();
+    Json* const outer = at_;
+    at_ = &json;
+    members();
+    at_ = outer;
+  }
+  template <typename T>
+  static Json json_of(const T& value) {
+    return value;
+  }
+  static Json json_of(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+  static Json json_of(const glm::dvec3& value) { return {value.x, value.y, value.z}; }
+
+  Json* at_ = &root;
+};
+
+void for_each_raster(Scene& scene, const std::function<void(std::string&)>& change) {
+  for (std::vector<std::string>* list : {&scene.terrain.elevation, &scene.imagery.files})
+    for (std::string& raster : *list)
+      if (is_local_path(raster)) change(raster);
+}
+
+}  // namespace
+
+bool is_local_path(const std::string& raster) {
+  return !raster.starts_with("/vsi") && raster.find(':') == std::string::npos;
+}
+
+void merge_scene_json(Scene& scene, const std::string& text, const std::string& what) {
+  const Json json = parse_json(text, what);
+  Reader reader(json, what);
+  visit_fields(reader, scene);
+  reader.finish();
+  validate(scene, ErrorKind::input, [&](const std::string& path) { return fmt::format("{}: {}", what, path); });
+}
+
+Scene scene_from_json(const std::string& text, const std::string& source) {
+  Scene scene;
+  merge_scene_json(scene, text, source);
+  return scene;
+}
+
+Scene load_scene(const fs::path& path) {
+  Scene scene = scene_from_json(read_text_file(path), path.string());
+  for_each_raster(scene, [&](std::string& raster) {
+    if (fs::path(raster).is_relative()) raster = (path.parent_path() / raster).lexically_normal().string();
+  });
+  return scene;
+}
+
+std::string scene_to_json(const Scene& scene) {
+  Scene copy = scene;  // visitors may write, this one does not
+  Writer writer;
+  visit_fields(writer, copy);
+  return writer.root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void save_scene(const fs::path& path, const Scene& scene) {
+  Scene placed = scene;
+  const fs::path folder = fs::absolute(path).lexically_normal().parent_path();
+  for_each_raster(placed, [&](std::string& raster) {
+    const fs::path whole = fs::absolute(raster).lexically_normal();
+    const fs::path inside = whole.lexically_relative(folder);
+    raster = (inside.empty() || *inside.begin() == ".." ? whole : inside).string();
+  });
+  write_whole_file(path, [&](const fs::path& temporary) {
+    std::ofstream file(temporary, std::ios::binary);
+    file << scene_to_json(placed);
+    if (!file.flush()) throw fail(ErrorKind::failure, "{}: cannot be written", path.string());
+  });
+}
+
+}  // namespace nepho

@@ -1,0 +1,123 @@
+#include "scene/scene_validate.h"
+
+#include <algorithm>
+#include <array>
+
+#include "scene/scene_fields.h"
+#include "scene/scene_time.h"
+
+namespace nepho {
+
+namespace {
+
+class Validator : public FieldVisitor {
+ public:
+  Validator(ErrorKind kind, const NameParameter& name) : kind_(kind), name_(name) {}
+
+  void check_text(const Field& field, const std::string& value) const {
+    const std::vector<std::string>& choices = field.choices;
+    if (!choices.empty() && std::find(choices.begin(), choices.end(), value) == choices.end()) {
+      const std::string nearest = nearest_name(value, choices);
+      throw wrong(path(), fmt::format("'{}' is not one of {}{}", value, fmt::join(choices, ", "),
+                                      nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
+    }
+    if (field.text == TextKind::file && value.empty()) throw wrong(path(), "is empty; name a file");
+    if (field.text == TextKind::utc) {
+      try {
+        canonical_utc(value);
+      } catch (const Error& e) {
+        throw wrong(path(), e.what());
+      }
+    }
+  }
+
+  Error wrong(const std::string& path, const std::string& reason) const {
+    return Error(kind_, fmt::format("{}: {}", name_ ? name_(path) : path, reason));
+  }
+
+ protected:
+  void on_leaf(const Field& field, Leaf value) override {
+    std::visit([&](auto* p) { check(field, *p); }, value);
+  }
+  void on_group(const Field&, const std::function<void()>& members) override { members(); }
+  void on_items(const Field&, const Items& items) override {
+    if (items.size() > items.max)
+      throw wrong(path(), fmt::format("{} items found; {} at most", items.size(), items.max));
+    for (size_t i = 0; i < items.size(); ++i)
+      if (items.list)
+        at_index(i, [&] { items.visit(*this, i); });
+      else
+        items.visit(*this, i);
+  }
+
+ private:
+  void check_number(const Field& field, const std::string& where, double value) const {
+    if (field.range.contains(value)) return;
+    throw wrong(where, fmt::format("{} is out of range; allowed: {}", value, field.range.text(field.unit)));
+  }
+  void check(const Field& field, double value) const { check_number(field, path(), value); }
+  void check(const Field& field, uint32_t value) const { check_number(field, path(), value); }
+  void check(const Field& field, int value) const { check_number(field, path(), value); }
+  void check(const Field& field, const std::optional<double>& value) const {
+    if (value) check_number(field, path(), *value);
+  }
+  void check(const Field& field, const glm::dvec3& value) const {
+    for (int i = 0; i < 3; ++i) check_number(field, fmt::format("{}[{}]", path(), i), value[i]);
+  }
+  void check(const Field&, bool) const {}
+  void check(const Field& field, const std::string& value) const { check_text(field, value); }
+  void check(const Field& field, const std::vector<std::string>& values) const {
+    for (const std::string& value : values) check_text(field, value);
+  }
+
+  ErrorKind kind_;
+  const NameParameter& name_;
+};
+
+/// Rules between parameters.
+void check_together(const Scene& scene, const Validator& validator) {
+  if (scene.camera.height_m && scene.camera.agl_m)
+    throw validator.wrong("camera.agl_m", "camera.height_m is given too; keep one of the two");
+  const AtmosphereParams& air = scene.atmosphere;
+  if (air.polar_radius_m > air.equatorial_radius_m)
+    throw validator.wrong("atmosphere.polar_radius_m", fmt::format("{} is larger than equatorial_radius_m {}",
+                                                                   air.polar_radius_m, air.equatorial_radius_m));
+  for (int i = 0; i < 3; ++i)
+    if (air.mie.extinction_per_m[i] < air.mie.scattering_per_m[i])
+      throw validator.wrong(
+          fmt::format("atmosphere.mie.extinction_per_m[{}]", i),
+          fmt::format("{} is less than scattering_per_m {}", air.mie.extinction_per_m[i], air.mie.scattering_per_m[i]));
+}
+
+class PathLister : public FieldVisitor {
+ public:
+  std::vector<std::string> paths;
+
+ protected:
+  void on_leaf(const Field&, Leaf) override { paths.push_back(path()); }
+  void on_group(const Field&, const std::function<void()>& members) override { members(); }
+  void on_items(const Field&, const Items& items) override {
+    if (items.list)
+      at_index(0, [&] { items.visit_default(*this); });
+    else
+      items.visit_default(*this);
+  }
+};
+
+}  // namespace
+
+void validate(const Scene& scene, ErrorKind kind, const NameParameter& name) {
+  Scene copy = scene;  // visitors may write, this one does not
+  Validator validator(kind, name);
+  visit_fields(validator, copy);
+  check_together(scene, validator);
+}
+
+std::vector<std::string> parameter_paths() {
+  Scene scene;
+  PathLister lister;
+  visit_fields(lister, scene);
+  return std::move(lister.paths);
+}
+
+}  // namespace nepho

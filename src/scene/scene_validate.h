@@ -1,0 +1,21 @@
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "scene/scene.h"
+
+namespace nepho {
+
+/// What a parameter is called in messages, from its path: "scene.json: clouds.coverage" or "--coverage".
+using NameParameter = std::function<std::string(const std::string& path)>;
+
+/// Throws an Error of `kind` unless every parameter is within its range and they fit together. One line:
+/// "clouds.coverage: 1.5 is out of range; allowed: 0..1".
+void validate(const Scene& scene, ErrorKind kind, const NameParameter& name = {});
+
+/// The paths of all parameters, those of optional groups included: "camera.fov_deg", "clouds.layers[0].base_m".
+std::vector<std::string> parameter_paths();
+
+}  // namespace nepho

@@ -1,0 +1,251 @@
+#include "scene/scene_json.h"
+
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <set>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "scene/scene_fields.h"
+#include "scene/scene_validate.h"
+
+using namespace nepho;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// The message of the input error that reading `text` as s.json ends with.
+std::string reading_fails(const std::string& text) {
+  try {
+    scene_from_json(text, "s.json");
+  } catch (const Error& e) {
+    CHECK(e.kind() == ErrorKind::input);
+    CHECK(std::string(e.what()).find('\n') == std::string::npos);
+    return e.what();
+  }
+  return "(no error)";
+}
+
+/// Gives every parameter another allowed value than its default, and every optional group a value.
+class Changer : public FieldVisitor {
+ public:
+  int leaves = 0;
+
+ protected:
+  void on_leaf(const Field& field, Leaf value) override {
+    ++leaves;
+    std::visit([&](auto* p) { change(field, *p); }, value);
+  }
+  void on_group(const Field&, const std::function<void()>& members) override { members(); }
+  void on_items(const Field&, const Items& items) override {
+    items.resize(items.max);
+    for (size_t i = 0; i < items.size(); ++i) items.visit(*this, i);
+  }
+
+ private:
+  // A third of the way is no round number: it shows a loss of digits.
+  static void change(const Field& f, double& v) { v += ((v < f.range.max / 2 ? f.range.max : f.range.min) - v) / 3; }
+  static void change(const Field& f, std::optional<double>& v) { change(f, v.emplace(f.range.min)); }
+  static void change(const Field& f, glm::dvec3& v) {
+    for (int i = 0; i < 3; ++i) change(f, v[i]);
+  }
+  static void change(const Field&, uint32_t& v) { v += 7; }
+  static void change(const Field&, int& v) { v += 1; }
+  static void change(const Field&, bool& v) { v = !v; }
+  static void change(const Field& f, std::string& v) {
+    v = f.text == TextKind::utc ? "1999-12-31T23:59:59.25Z" : f.choices.empty() ? v + "x" : f.choices[1];
+  }
+  static void change(const Field&, std::vector<std::string>& v) { v = {"a b.tif", "\"ä\".tif"}; }
+};
+
+/// Number of members of an aggregate.
+struct Anything {
+  template <typename T>
+  operator T() const;
+};
+template <typename T, typename... Args>
+constexpr size_t member_count() {
+  if constexpr (requires { T{Args{}..., Anything{}}; })
+    return member_count<T, Args..., Anything>();
+  else
+    return sizeof...(Args);
+}
+
+}  // namespace
+
+TEST_CASE("the table of parameters has every member of the scene's structs") {
+  const std::vector<std::string> paths = parameter_paths();
+  const auto members_of = [&](const std::string& group) {
+    std::set<std::string> names;
+    for (const std::string& path : paths)
+      if (path.starts_with(group))
+        names.insert(path.substr(group.size(), path.find_first_of(".[", group.size()) - group.size()));
+    return names.size();
+  };
+  CHECK(members_of("") == member_count<Scene>());
+  CHECK(members_of("camera.") == member_count<CameraParams>());
+  CHECK(members_of("camera.look_at.") == member_count<LookAt>());
+  CHECK(members_of("atmosphere.") == member_count<AtmosphereParams>());
+  CHECK(members_of("atmosphere.rayleigh.") == member_count<RayleighParams>());
+  CHECK(members_of("atmosphere.mie.") == member_count<MieParams>());
+  CHECK(members_of("atmosphere.ozone.") == member_count<OzoneParams>());
+  CHECK(members_of("clouds.") == member_count<CloudParams>());
+  CHECK(members_of("clouds.layers[0].") == member_count<CloudLayer>());
+  CHECK(members_of("terrain.") == member_count<TerrainParams>());
+  CHECK(members_of("imagery.") == member_count<ImageryParams>());
+  CHECK(members_of("render.") == member_count<RenderParams>());
+}
+
+TEST_CASE("an empty object is the scene of all defaults, and that is valid") {
+  CHECK(scene_from_json("{}", "s.json") == Scene{});
+  CHECK_NOTHROW(validate(Scene{}, ErrorKind::input));
+}
+
+TEST_CASE("a scene with every parameter changed comes back equal from JSON, bit for bit") {
+  Scene scene;
+  Changer changer;
+  visit_fields(changer, scene);
+  CHECK(changer.leaves > 40);
+  scene.camera.agl_m.reset();               // excludes height_m
+  scene.atmosphere.polar_radius_m = 6.3e6;  // not above the equatorial one
+  scene.atmosphere.mie.extinction_per_m = glm::dvec3(0.9);
+  const std::string text = scene_to_json(scene);
+  const Scene back = scene_from_json(text, "s.json");
+  CHECK(back == scene);
+  CHECK(scene_to_json(back) == text);
+  CHECK_FALSE(scene == Scene{});
+}
+
+TEST_CASE("the JSON of a scene names every parameter") {
+  Scene scene;
+  scene.camera.look_at.emplace();
+  const std::string text = scene_to_json(scene);
+  for (const std::string& path : parameter_paths()) {
+    CAPTURE(path);
+    CHECK(text.find('"' + path.substr(path.rfind('.') + 1) + '"') != std::string::npos);
+  }
+}
+
+TEST_CASE("null takes an optional member away") {
+  const Scene scene = scene_from_json(R"({"camera": {"height_m": null, "look_at": null}})", "s.json");
+  CHECK_FALSE(scene.camera.height_m.has_value());
+  CHECK_FALSE(scene.camera.look_at.has_value());
+}
+
+TEST_CASE("a list of layers replaces the default one, and each layer starts from the defaults") {
+  const Scene scene = scene_from_json(R"({"clouds": {"layers": [{"base_m": 900}, {}]}})", "s.json");
+  REQUIRE(scene.clouds.layers.size() == 2);
+  CHECK(scene.clouds.layers[0].base_m == 900.0);
+  CHECK(scene.clouds.layers[0].thickness_m == CloudLayer{}.thickness_m);
+  CHECK(scene.clouds.layers[1] == CloudLayer{});
+}
+
+TEST_CASE("an unknown key is an error with its path, the file and the nearest key") {
+  CHECK(reading_fails(R"({"clouds": {"covrage": 0.5}})") ==
+        "s.json: unknown key 'clouds.covrage'; did you mean 'coverage'?");
+  CHECK(reading_fails(R"({"cluods": {}})") == "s.json: unknown key 'cluods'; did you mean 'clouds'?");
+  CHECK(reading_fails(R"({"clouds": {"layers": [{}, {"bas_m": 1}]}})") ==
+        "s.json: unknown key 'clouds.layers[1].bas_m'; did you mean 'base_m'?");
+  CHECK(reading_fails(R"({"imagery": {"q": 1}})") == "s.json: unknown key 'imagery.q'; known here: files");
+}
+
+TEST_CASE("a value out of its range is an error with path, value and range") {
+  CHECK(reading_fails(R"({"clouds": {"coverage": 1.5}})") ==
+        "s.json: clouds.coverage: 1.5 is out of range; allowed: 0..1");
+  CHECK(reading_fails(R"({"camera": {"lat_deg": 91}})") ==
+        "s.json: camera.lat_deg: 91 is out of range; allowed: -90..90 deg");
+  CHECK(reading_fails(R"({"camera": {"fov_deg": 180}})") ==
+        "s.json: camera.fov_deg: 180 is out of range; allowed: > 0 and < 180 deg");
+  CHECK(reading_fails(R"({"render": {"width": 0}})") ==
+        "s.json: render.width: 0 is out of range; allowed: 1..16384 px");
+  CHECK(reading_fails(R"({"render": {"height": 100000}})") ==
+        "s.json: render.height: 100000 is out of range; allowed: 1..16384 px");
+  CHECK(reading_fails(R"({"render": {"seed": -1}})") ==
+        "s.json: render.seed: -1 is out of range; allowed: 0..4294967295");
+  CHECK(reading_fails(R"({"render": {"width": 18446744073709551617}})").starts_with("s.json: render.width: 1.8446744"));
+  CHECK(reading_fails(R"({"atmosphere": {"rayleigh": {"scattering_per_m": [0, -1, 0]}}})") ==
+        "s.json: atmosphere.rayleigh.scattering_per_m[1]: -1 is out of range; allowed: 0..1 1/m");
+  CHECK(reading_fails(R"({"clouds": {"layers": [{}, {}, {}, {}, {}]}})") ==
+        "s.json: clouds.layers: 5 items found; 4 at most");
+  CHECK(reading_fails(R"({"render": {"quality": "hihg"}})") ==
+        "s.json: render.quality: 'hihg' is not one of low, medium, high, ultra; did you mean 'high'?");
+}
+
+TEST_CASE("a wrong type is an error with path, what is expected and what was found") {
+  CHECK(reading_fails(R"({"clouds": {"coverage": "0.4"}})") ==
+        "s.json: clouds.coverage: expected a number, found the string \"0.4\"");
+  CHECK(reading_fails(R"({"clouds": []})") == "s.json: clouds: expected an object, found a list of 0");
+  CHECK(reading_fails("[]") == "s.json: expected an object, found a list of 0");
+  CHECK(reading_fails(R"({"clouds": {"coverage": null}})") == "s.json: clouds.coverage: expected a number, found null");
+  CHECK(reading_fails(R"({"render": {"width": 1.5}})") == "s.json: render.width: expected a whole number, found 1.5");
+  CHECK(reading_fails(R"({"terrain": {"elevation": "a.tif"}})") ==
+        "s.json: terrain.elevation: expected a list of strings, found the string \"a.tif\"");
+  CHECK(reading_fails(R"({"terrain": {"elevation": [""]}})") == "s.json: terrain.elevation: is empty; name a file");
+  CHECK(reading_fails(R"({"terrain": {"default_earth": 1}})") ==
+        "s.json: terrain.default_earth: expected true or false, found 1");
+  CHECK(reading_fails(R"({"camera": {"look_at": 3}})") == "s.json: camera.look_at: expected an object, found 3");
+  CHECK(reading_fails(R"({"atmosphere": {"ozone": {"absorption_per_m": [1, 2]}}})") ==
+        "s.json: atmosphere.ozone.absorption_per_m: expected a list of 3 numbers, found a list of 2");
+}
+
+TEST_CASE("broken JSON is an error with line and column") {
+  CHECK(reading_fails("{\n  \"clouds\": {\n    \"coverage\": 0.4,\n  }\n}")
+            .starts_with("s.json: line 4, column 3: not JSON"));
+  CHECK(reading_fails("").starts_with("s.json: line 1, column 1: not JSON"));
+  CHECK(reading_fails("{\"clouds\": {\"coverage\": NaN}}").starts_with("s.json: line 1, column 25: not JSON"));
+  CHECK(reading_fails("{} x").starts_with("s.json: line 1, column 4: not JSON"));
+  CHECK(reading_fails("{\"clouds\": {\"coverage\": 1e999}}").starts_with("s.json: not JSON: "));
+  CHECK(reading_fails(std::string("\x89PNG\r\n\x1a\n\0\xff", 10)).starts_with("s.json: line 1, column 1: not JSON"));
+  CHECK(reading_fails("{\"time\": \"2026-01-01\", \"time\": \"2027-01-01\"}") ==
+        "s.json: key 'time' occurs twice in one object");
+}
+
+TEST_CASE("members that contradict each other are an error") {
+  CHECK(reading_fails(R"({"camera": {"height_m": 1, "agl_m": 2}})") ==
+        "s.json: camera.agl_m: camera.height_m is given too; keep one of the two");
+  CHECK(reading_fails(R"({"atmosphere": {"mie": {"extinction_per_m": [0, 0, 0]}}})")
+            .find("atmosphere.mie.extinction_per_m[0]: 0 is less than scattering_per_m 3.996e-06") !=
+        std::string::npos);
+}
+
+TEST_CASE("validate names parameters as it is told and throws the kind it is told") {
+  Scene scene;
+  scene.clouds.coverage = std::numeric_limits<double>::quiet_NaN();
+  try {
+    validate(scene, ErrorKind::usage,
+             [](const std::string& path) { return path == "clouds.coverage" ? "--coverage" : path; });
+    FAIL("no error");
+  } catch (const Error& e) {
+    CHECK(e.kind() == ErrorKind::usage);
+    CHECK(std::string(e.what()) == "--coverage: nan is out of range; allowed: 0..1");
+  }
+}
+
+TEST_CASE("relative raster paths of a scene file are relative to the file, and saving keeps what they mean") {
+  const fs::path dir = fs::temp_directory_path() / "nepho_scene_test";
+  fs::remove_all(dir);
+  fs::create_directories(dir / "in" / "dem");
+  std::ofstream(dir / "in" / "s.json")
+      << R"({"terrain": {"elevation": ["dem/a.tif", "/abs/b.tif", "../c.tif", "NETCDF:d.nc:v", "/vsizip/e.zip"]}})";
+  const Scene scene = load_scene(dir / "in" / "s.json");
+  const std::vector<std::string> expected{dir / "in" / "dem" / "a.tif", "/abs/b.tif", dir / "c.tif", "NETCDF:d.nc:v",
+                                          "/vsizip/e.zip"};
+  CHECK(scene.terrain.elevation == expected);
+  save_scene(dir / "in" / "saved.json", scene);
+  CHECK(load_scene(dir / "in" / "saved.json") == scene);
+  CHECK(read_text_file(dir / "in" / "saved.json").find("\"dem/a.tif\"") != std::string::npos);
+  fs::remove_all(dir);
+}
+
+TEST_CASE("a scene file that is missing is an input error that names it") {
+  try {
+    load_scene("/nonexistent/s.json");
+    FAIL("no error");
+  } catch (const Error& e) {
+    CHECK(e.kind() == ErrorKind::input);
+    CHECK(std::string(e.what()) == "/nonexistent/s.json: no such file");
+  }
+}
