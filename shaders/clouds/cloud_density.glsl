@@ -1,0 +1,108 @@
+// The one density of the clouds: the view march, light, shadows, probes and the path tracer all include this file.
+// Needs `frame` (FrameConstants in frame.frame_data) declared before; CLOUD_BINDING is the first of five bindings.
+//
+// A point is inside a cloud where a level L > 0: the sum of fields of unit variance on the sphere (coverage, regional,
+// meso, cells), minus what the height asks for, plus billows. Each field fades to its mean where the footprint outgrows
+// it, and the variance it leaves behind widens the step from 0 to 1, so that mean cover stays (docs/clouds.md).
+#ifndef NEPHO_CLOUD_DENSITY_GLSL
+#define NEPHO_CLOUD_DENSITY_GLSL
+#include "clouds/clouds_shared.h"
+#include "common/frame.h"
+
+#ifndef CLOUD_BINDING
+#define CLOUD_BINDING 1
+#endif
+layout(scalar, set = 0, binding = CLOUD_BINDING) uniform CloudBlock { CloudConstants cloud_data; } cloud;
+layout(set = 0, binding = CLOUD_BINDING + 1) uniform samplerCube cloud_weather;
+layout(set = 0, binding = CLOUD_BINDING + 2) uniform sampler3D cloud_field;
+layout(set = 0, binding = CLOUD_BINDING + 3) uniform sampler3D cloud_shape;
+layout(set = 0, binding = CLOUD_BINDING + 4) uniform sampler3D cloud_detail;
+
+#define CLOUD cloud.cloud_data
+
+const float kRegionalWeight = 0.42;  // standard deviations; their squares add to 1
+const float kMesoWeight = 0.50;
+const float kCellWeight = 0.757;
+const float kShapeWeight = 0.34;
+const float kDetailWeight = 0.085;
+const float kFineWeight = 0.03;
+const float kEdge = 0.02;            // softness of a resolved edge
+const float kNoiseRange = 4.0;       // textures hold -range..range standard deviations
+
+// Noise is read at whole mips: lavapipe and old GPUs pay double for blending two, and the fades hide the change.
+vec3 cloud_uvw(uint domain, vec3 p_cam) { return CLOUD.domains[domain].offset + CLOUD.domains[domain].uvw_from_cam * p_cam; }
+
+
+// What does not change with height or within some hundred metres.
+struct CloudColumn {
+  float probit;    // of the local coverage, through threshold_probit()
+  float slow;      // regional + meso level
+  float unknown;   // variance of what the footprint hides of them
+  vec2 bend;       // displacement of the cells, in their texture coordinate
+};
+
+CloudColumn cloud_column(vec3 p_cam, vec3 up, float height_m, float log2_footprint) {
+  CloudColumn c;
+  vec3 foot = p_cam - up * height_m;  // columns are vertical: the field is read on the ellipsoid
+  vec3 q = frame.frame_data.planet.camera_q_m + scaled_from_cam(frame.frame_data.planet, p_cam);
+  float share = textureLod(cloud_weather, CLOUD.weather_from_ecef * q, max(log2_footprint - CLOUD.log2_weather_texel_m, 0.0)).r;
+  c.probit = threshold_probit(probit_from_share(share));
+  float lod = max(log2_footprint - CLOUD.domains[kDomainRegional].log2_texel_m, 0.0);
+  vec2 regional = (textureLod(cloud_field, cloud_uvw(kDomainRegional, foot), round(lod)).rg - 0.5) * (2.0 * kNoiseRange);
+  float left = variance_left(lod, CLOUD.fade_start.x, CLOUD.fade_per_lod.x);
+  lod = max(log2_footprint - CLOUD.domains[kDomainMeso].log2_texel_m, 0.0);
+  vec3 uvw = cloud_uvw(kDomainMeso, foot);
+  uvw.xy += 0.06 * regional;  // one field bends the lattice of the next
+  vec2 meso = (textureLod(cloud_field, uvw, round(lod)).rg - 0.5) * (2.0 * kNoiseRange);
+  c.slow = kRegionalWeight * regional.x + kMesoWeight * meso.x;
+  c.unknown = kRegionalWeight * kRegionalWeight * (1.0 - left) + 
+              kMesoWeight * kMesoWeight * (1.0 - variance_left(lod, CLOUD.fade_start.x, CLOUD.fade_per_lod.x));
+  c.bend = 0.05 * meso;
+  return c;
+}
+
+// Level of the column's cells at a relative height, without billows; `unknown` gains the variance the footprint hides.
+float cloud_cell_level(CloudColumn c, vec3 p_cam, vec3 up, float height_m, float eta, float log2_footprint, inout float unknown) {
+  float lod = max(log2_footprint - CLOUD.domains[kDomainCell].log2_texel_m, 0.0);
+  vec3 uvw = cloud_uvw(kDomainCell, p_cam - up * height_m);
+  uvw.yz += c.bend;
+  float cell = (textureLod(cloud_field, uvw, round(lod)).g - 0.5) * (2.0 * kNoiseRange);
+  unknown += kCellWeight * kCellWeight * (1.0 - variance_left(lod, CLOUD.fade_start.y, CLOUD.fade_per_lod.y));
+  return c.slow + kCellWeight * cell - cell_threshold(eta, c.probit);
+}
+
+// Billows above, inverted below: wisps. Large scale.
+float cloud_shape_level(vec3 p_cam, float eta, float log2_footprint, inout float unknown) {
+  float lod = max(log2_footprint - CLOUD.domains[kDomainShape].log2_texel_m, 0.0);
+  float shape = (textureLod(cloud_shape, cloud_uvw(kDomainShape, p_cam), round(lod)).r - 0.5) * (2.0 * kNoiseRange);
+  float weight = kShapeWeight * CLOUD.shape_amount * smoothstep(0.0, 0.25, eta);
+  unknown += weight * weight * (1.0 - variance_left(lod, CLOUD.fade_start.z, CLOUD.fade_per_lod.z));
+  return weight * shape;
+}
+
+float cloud_detail_level(vec3 p_cam, float eta, float log2_footprint, inout float unknown) {
+  float lod = max(log2_footprint - CLOUD.domains[kDomainDetail].log2_texel_m, 0.0);
+  vec3 uvw = cloud_uvw(kDomainDetail, p_cam);
+  float detail = (textureLod(cloud_detail, uvw, round(lod)).r - 0.5) * (2.0 * kNoiseRange);
+  float weight = kDetailWeight * CLOUD.detail_amount * mix(-1.0, 1.0, smoothstep(0.05, 0.3, eta));
+  unknown += weight * weight * (1.0 - variance_left(lod, CLOUD.fade_start.w, CLOUD.fade_per_lod.w));
+  float level = weight * detail;
+  lod = log2_footprint - CLOUD.domains[kDomainFine].log2_texel_m;
+  if (lod < 2.5) {
+    float fine = (textureLod(cloud_detail, cloud_uvw(kDomainFine, p_cam), max(lod, 0.0)).r - 0.5) * (2.0 * kNoiseRange);
+    level += kFineWeight * CLOUD.detail_amount * fine * smoothstep(2.5, 1.0, lod);
+  }
+  return level;
+}
+
+// Extinction, 1/m, from the level. Thin just inside the edge, growing inwards and with height as liquid water does.
+float cloud_extinction(float level, float unknown, float blur, float eta, float footprint_m) {
+  float spread = sqrt(unknown + kEdge * kEdge + blur * blur);
+  float share = share_above(level, spread);
+  if (share <= 0.0) return 0.0;
+  float inner = clamp(0.35 + 1.6 * level, 0.25, 1.0);
+  float sigma = CLOUD.extinction_per_m * mix(inner, 1.0, clamp(2.0 * spread, 0.0, 1.0)) * (0.55 + 0.45 * clamp(2.0 * eta, 0.0, 1.0));
+  return clumped_extinction(share, sigma, clamp(footprint_m, 1.0, 0.35 * CLOUD.thickness_m));
+}
+
+#endif

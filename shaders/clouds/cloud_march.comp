@@ -1,0 +1,167 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Marches one cloud layer between its two shells for every pixel. Writes premultiplied luminance with its aerial
+// perspective and transmittance; and depth, optical depth, layer and step count.
+#include "common/frame.h"
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
+#define CLOUD_BINDING 1
+#include "clouds/cloud_light.glsl"
+#define ATMOSPHERE_BINDING 8
+#include "atmosphere/atmosphere_lookup.glsl"
+layout(set = 0, binding = 20, r32f) uniform readonly image2D depth_m;
+layout(set = 0, binding = 21, rgba32f) uniform writeonly image2D out_radiance;
+layout(set = 0, binding = 22, rgba32f) uniform writeonly image2D out_info;
+
+const int kMaxSteps = 176;
+const float kOpaque = 1.0e-3;         // transmittance at which nothing behind matters
+const float kDeepest = 16.0;          // optical depth at which the wide lobes are used up too
+const float kLevelStep_m = 300.0;     // a level of -1 is about this far from a cloud, at least
+const float kShapeReach = 1.0;        // most that billows add to a level
+
+// Interleaved gradient noise (Jimenez 2014), another offset each frame.
+float march_jitter(uvec2 pixel) {
+  uint shift = (frame.frame_data.frame_index * 7u + frame.frame_data.seed * 13u) % 256u;
+  vec2 p = vec2(pixel) + 5.588238 * float(shift);
+  return fract(52.9829189 * fract(dot(p, vec2(0.06711056, 0.00583715))));
+}
+
+// The stretches of the ray inside the layer: [span.x, span.y] without the part [gap.x, gap.y] below it. entry_f_m2 is
+// planet_f() at span.x, known from the shell itself where the ray enters through one: no large float is subtracted.
+bool layer_span(vec3 dir, float far_m, out vec2 span, out vec2 gap, out float entry_f_m2) {
+  PlanetView planet = frame.frame_data.planet;
+  // Scaled height is up to 1.00336 times the geodetic one: the shells are taken that much apart.
+  float low_m = CLOUD.base_m - 0.05 * CLOUD.thickness_m, high_m = (CLOUD.base_m + CLOUD.thickness_m) * 1.0034;
+  gap = vec2(kFarDepth_m);
+  entry_f_m2 = planet.camera_f_m2;
+  vec2 outer, inner;
+  if (!intersect_shell(planet, dir, high_m, outer) || outer.y <= 0.0) return false;
+  span = vec2(max(outer.x, 0.0), min(outer.y, far_m));
+  if (outer.x > 0.0) entry_f_m2 = high_m * (2.0 * planet.a_m + high_m);
+  if (intersect_shell(planet, dir, low_m, inner) && inner.y > 0.0) {
+    if (inner.x <= 0.0) {  // the camera is below the layer
+      span.x = inner.y;
+      entry_f_m2 = low_m * (2.0 * planet.a_m + low_m);
+    } else {
+      gap = inner;
+    }
+  }
+  return span.x < span.y;
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(pixel, ivec2(frame.frame_data.size)))) return;
+  PlanetView planet = frame.frame_data.planet;
+  vec3 dir = pixel_direction(frame.frame_data, vec2(pixel) + 0.5);
+  vec3 sun = frame.frame_data.sun_dir;
+
+  vec2 span, gap;
+  float entry_f_m2;
+  float transmittance = 1.0, depth_sum = 0.0, weight_sum = 0.0, tau = 0.0;
+  vec3 light = vec3(0.0);  // share of sun illuminance, of sky illuminance, of ground exitance (1/sr)
+  int steps = 0;
+  if (layer_span(dir, imageLoad(depth_m, pixel).r, span, gap, entry_f_m2)) {
+    float cos_sun = dot(dir, sun);
+    float phase = phase_dual_hg(cos_sun, CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight);
+    vec2 lobes = vec2(0.0);
+    for (int n = 0; n < 2; ++n) lobes[n] = kOctaves[n].gain * phase_hg(cos_sun, CLOUD.phase_g_forward * kOctaves[n].lobe);
+
+    vec3 scaled_dir = scaled_from_cam(planet, dir);
+    vec3 entry_q = planet.camera_q_m + scaled_dir * span.x;
+    float f_slope = 2.0 * dot(entry_q, scaled_dir), f_bend = dot(scaled_dir, scaled_dir);
+    float longest = min(span.y, gap.x) - span.x;
+    if (gap.x < span.y) longest = max(longest, span.y - gap.y);
+    float cap = max(longest / 24.0, 10.0);
+    float jitter = march_jitter(uvec2(pixel));
+    float t = span.x;
+    bool jittered = false;
+    float sun_depth = 0.0;
+    for (; steps < kMaxSteps && t < span.y; ++steps) {
+      if (t >= gap.x && t < gap.y) { t = gap.y; jittered = false; }
+      float fine = min(max(t * 0.010, 24.0), cap);
+      if (!jittered) { t += jitter * fine; jittered = true; }
+      if (t >= span.y) break;
+      float s = t - span.x;
+      vec3 q = entry_q + scaled_dir * s;
+      vec3 sq = vec3(q.xy, q.z * planet.a_over_b);
+      float inv = inversesqrt(dot(sq, sq));
+      vec3 up = sq * inv;
+      float height_m = scaled_height_from_f(planet, entry_f_m2 + s * (f_slope + s * f_bend)) * length(q) * inv;
+      float eta = (height_m - CLOUD.base_m) / CLOUD.thickness_m;
+      vec3 p = dir * t;
+
+      float footprint_m = max(frame.frame_data.pixel_angle_rad * t, 0.1 * fine);
+      float log2_footprint = log2(footprint_m);
+      float step_m = fine;
+      float sigma = 0.0, level = 0.0;
+      CloudColumn column;
+      if (CLOUD.uniform_density > 0.0) {
+        if (eta >= 0.0 && eta <= 1.0) sigma = CLOUD.uniform_density * CLOUD.extinction_per_m;
+        level = 1.0;
+        column = CloudColumn(8.0, 0.0, 0.0, vec2(0.0));
+      } else if (eta > -0.05 && eta < 1.0) {
+        column = cloud_column(p, up, height_m, log2_footprint);
+        float unknown = column.unknown;
+        level = cloud_cell_level(column, p, up, height_m, eta, log2_footprint, unknown);
+        float reach = level + kShapeReach * CLOUD.shape_amount * smoothstep(0.0, 0.25, eta) + 2.6 * sqrt(unknown);
+        if (reach > 0.0) {
+          level += cloud_shape_level(p, eta, log2_footprint, unknown);
+          if (abs(level) < 0.6 && transmittance > 0.02) level += cloud_detail_level(p, eta, log2_footprint, unknown);
+          sigma = cloud_extinction(level, unknown, fine * 0.0003, eta, footprint_m);
+          if (sigma > 0.0)
+            step_m = tau < 5.0 ? clamp(0.9 / sigma, 0.35 * fine, fine) : 2.0 * fine;  // about one optical depth
+          else
+            step_m = clamp(-level * kLevelStep_m, 0.4 * fine, fine);
+        } else {
+          step_m = clamp(-reach * kLevelStep_m, 0.5 * fine, fine + 0.08 * t + 200.0);
+        }
+      }
+
+      if (sigma > 0.0) {
+        if (transmittance > 0.02)
+          sun_depth = cloud_sun_depth(p, up, height_m, column, log2_footprint);
+        else
+          sun_depth += 0.3 * sigma * step_m;  // hidden: how deep is enough, not what casts shadows there
+        float d_tau = sigma * step_m;
+        float w = transmittance * (1.0 - exp(-d_tau));
+        // Deep in a cloud light comes from all around; at its rim from one side.
+        float fill = mix(0.5, 1.0, clamp(level * 1.8, 0.0, 1.0));
+        float lit = w * phase * exp(-sun_depth);
+        for (int n = 0; n < 2; ++n) {
+          float view = kOctaves[n].view;
+          lit += exp(-view * tau) * (1.0 - exp(-view * d_tau)) * lobes[n] * fill * exp(-kOctaves[n].sun * sun_depth);
+        }
+        float w_sky = exp(-0.3 * tau) * (1.0 - exp(-0.3 * d_tau));
+        float h = clamp(eta, 0.0, 1.0);
+        light += vec3(lit, w_sky * mix(0.16, 0.55, h) / kPi, w_sky * mix(0.45, 0.1, h) / kPi);
+        depth_sum += w * t;
+        weight_sum += w;
+        tau += d_tau;
+        transmittance *= exp(-d_tau);
+        if (tau > kDeepest) break;
+      }
+      t += step_m;
+    }
+    if (transmittance < kOpaque) transmittance = 0.0;
+  }
+
+  vec3 radiance = vec3(0.0);
+  float mean_m = kFarDepth_m;
+  if (weight_sum > 0.0) {
+    mean_m = depth_sum / weight_sum;
+    vec3 p = dir * mean_m;
+    vec3 up = geodetic_up(planet, p);
+    float mu_s = dot(up, sun);
+    float height_m = geodetic_height(planet, p);
+    vec3 sun_lux = sun_illuminance(frame.frame_data, height_m, mu_s);
+    vec3 sky_lux = sky_illuminance(frame.frame_data, height_m, mu_s);
+    vec3 ground_lux = CLOUD.ground_albedo * (sun_lux * max(mu_s, 0.0) * (1.0 - 0.7 * CLOUD.coverage) + sky_lux);
+    radiance = light.x * sun_lux + light.y * sky_lux + light.z * ground_lux;
+    vec3 air_transmittance;
+    vec3 air = aerial_perspective(frame.frame_data, dir, mean_m, air_transmittance);
+    radiance = radiance * air_transmittance + air * (1.0 - transmittance);
+  }
+  imageStore(out_radiance, pixel, vec4(radiance, transmittance));
+  imageStore(out_info, pixel, vec4(mean_m, tau, weight_sum > 0.0 ? 1.0 : 0.0, float(steps)));
+}
