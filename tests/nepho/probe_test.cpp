@@ -1,0 +1,230 @@
+#include "probe.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "oracles/oracle_table.h"
+#include "probe_tables.h"
+
+using namespace nepho;
+
+namespace {
+
+std::string oracle_text(const std::string& name) {
+  return read_text_file(std::string(NEPHO_SOURCE_DIR) + "/tests/oracles/" + name + ".csv");
+}
+
+std::string probe(const std::string& kind, const std::string& table) {
+  std::istringstream in(table);
+  std::ostringstream out;
+  CHECK(run_probe(kind, in, out) == 0);
+  return out.str();
+}
+
+/// The error of a probe that must fail and must have written nothing.
+Error probe_error(const std::string& kind, const std::string& table) {
+  std::istringstream in(table);
+  std::ostringstream out;
+  try {
+    run_probe(kind, in, out);
+  } catch (const Error& e) {
+    CHECK(out.str().empty());
+    CHECK(std::string(e.what()).find('\n') == std::string::npos);
+    return e;
+  }
+  FAIL("no error from: " << table);
+  return Error(ErrorKind::failure, "");
+}
+
+bool mentions(const Error& e, const std::string& text) { return std::string(e.what()).find(text) != std::string::npos; }
+
+std::vector<std::map<std::string, std::string>> rows_of(const std::string& csv) {
+  std::istringstream in(csv);
+  const auto records = read_csv(in);
+  std::vector<std::map<std::string, std::string>> rows;
+  for (size_t r = 1; r < records.size(); ++r) {
+    std::map<std::string, std::string> row;
+    for (size_t i = 0; i < records[0].cells.size(); ++i) row[records[0].cells[i]] = records[r].cells.at(i);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+double number(const std::string& text) { return std::strtod(text.c_str(), nullptr); }
+
+/// Feeds a whole oracle table to the probe and compares every result column, within `tolerance(column, row)`.
+template <typename F>
+void check_against_oracle(const std::string& kind, const F& tolerance) {
+  CAPTURE(kind);
+  const auto expected = rows_of(oracle_text(kind));
+  const auto actual = rows_of(probe(kind, oracle_text(kind)));
+  REQUIRE(actual.size() == expected.size());
+  for (size_t r = 0; r < actual.size(); ++r) {
+    CAPTURE(expected[r].at("id"));
+    CHECK(actual[r].size() >= expected[r].size() - 1);  // all columns but `category`, which is no input
+    for (const auto& [name, text] : expected[r]) {
+      if (name == "category") continue;
+      CAPTURE(name);
+      REQUIRE(actual[r].count(name) == 1);
+      if (actual[r].at(name) == text) continue;  // inputs are repeated as they were
+      const double limit = tolerance(name, expected[r]);
+      double error = number(actual[r].at(name)) - number(text);
+      if (name.find("lon") != std::string::npos || name.find("az") != std::string::npos || name == "gast_deg")
+        error = std::remainder(error, 360.0);
+      CHECK(std::abs(error) <= limit);
+    }
+  }
+}
+
+using Row = std::map<std::string, std::string>;
+
+}  // namespace
+
+TEST_CASE("probes reproduce the geodesy tables at their stated tolerances") {
+  check_against_oracle("geodetic_ecef", [](const std::string&, const Row&) { return 1e-6; });
+  check_against_oracle("ecef_to_geodetic", [](const std::string& name, const Row& row) {
+    if (name == "height_m") return 1e-6;
+    return row.at("category") == "deep_inside"                                  ? 1e-9
+           : name == "lon_deg" && std::abs(number(row.at("lat_deg"))) > 89.9999 ? 360.0
+                                                                                : 1e-11;
+  });
+  check_against_oracle("enu_frames",
+                       [](const std::string& name, const Row&) { return name.starts_with("target") ? 1e-6 : 1e-12; });
+  check_against_oracle("geodesic_inverse", [](const std::string& name, const Row& row) {
+    const std::string& category = row.at("category");
+    const bool ill = category == "near_antipodal" || category == "polar" || category == "short";
+    if (name == "s12_m") return 1e-5;
+    // Ill-conditioned directions and quarter points are checked by distances in tests/geo/geodesic_test.cpp.
+    if (category == "near_antipodal" && name != "a12_deg") return 360.0;
+    if (name.starts_with("azi")) return ill ? 360.0 : 1e-9;
+    const bool near_pole = name.ends_with("lon_deg") && category == "polar";
+    return near_pole ? 1e-6 : 1e-9;
+  });
+  check_against_oracle("geodesic_direct", [](const std::string& name, const Row& row) {
+    const bool near_pole = std::abs(number(row.at("lat2_deg"))) > 89.9;
+    return near_pole && name != "lat2_deg" ? 360.0 : 1e-9;
+  });
+  check_against_oracle("geoid_egm96",
+                       [](const std::string& name, const Row&) { return name == "N_bilinear15_m" ? 1e-6 : 1e-3; });
+}
+
+TEST_CASE("the ephemeris probe reproduces its table at 5 and 20 arc seconds") {
+  check_against_oracle("ephemeris", [](const std::string& name, const Row& row) {
+    const double moon = 20.0 / 206265.0, sun = 5.0 / 206265.0;
+    if (name == "jd_ut") return 1e-8;
+    if (name == "gast_deg") return 0.5 / 3600.0;
+    if (name == "sun_dist_au") return 1e-4;
+    if (name.ends_with("dist_km")) return 2e-4 * number(row.at(name));
+    if (name.ends_with("ang_radius_deg")) return 2e-4 * 0.27;
+    if (name == "moon_illuminated_fraction") return 1e-3;
+    if (name == "moon_phase_angle_deg" || name == "moon_ecl_elongation_deg") return 0.01;
+    if (name == "sun_az_deg") return 15.0 / 3600.0 / std::cos(number(row.at("sun_elev_deg")) * 3.14159265 / 180.0);
+    if (name == "moon_topo_az_deg")
+      return 20.0 / 3600.0 / std::cos(number(row.at("moon_topo_elev_deg")) * 3.14159265 / 180.0);
+    if (name == "sun_elev_deg") return 15.0 / 3600.0;
+    if (name == "moon_topo_elev_deg") return 20.0 / 3600.0;
+    return name.starts_with("moon") ? moon : sun;
+  });
+}
+
+TEST_CASE("columns are found by name in any order, others are dropped, inputs come back as they were") {
+  CHECK(probe("geodetic_ecef", "height_m,remark,lon_deg,id,lat_deg\n0,x,00.0,\"a,\"\"b\",+0\n") ==
+        "id,lat_deg,lon_deg,height_m,x_m,y_m,z_m\n\"a,\"\"b\",+0,00.0,0,6378137,0,0\n");
+  CHECK(probe("geodetic_ecef", "lat_deg,lon_deg,height_m\n0,0,0\n") ==
+        "lat_deg,lon_deg,height_m,x_m,y_m,z_m\n0,0,0,6378137,0,0\n");
+}
+
+TEST_CASE("CRLF, blank lines, quotes, spaces, a byte order mark and a missing last newline make no difference") {
+  const std::string plain = probe("geoid_egm96", "lat_deg,lon_deg\n10,20\n30,40\n");
+  CHECK(probe("geoid_egm96", "\xEF\xBB\xBF\"lat_deg\", lon_deg\r\n\r\n10,\"20\"\r\n   \n30 ,40") == plain);
+  CHECK(rows_of(plain).size() == 2);
+}
+
+TEST_CASE("a header without rows gives a header, for every kind") {
+  CHECK(probe("geodetic_ecef", "lat_deg,lon_deg,height_m\n") == "lat_deg,lon_deg,height_m,x_m,y_m,z_m\n");
+  for (const std::string& kind : probe_kind_names()) {
+    const std::string text = oracle_text(kind);
+    CHECK(rows_of(probe(kind, text.substr(0, text.find('\n') + 1))).empty());
+  }
+}
+
+TEST_CASE("optional inputs may be absent or blank; half a group is an error") {
+  const auto rows =
+      rows_of(probe("ephemeris", "utc,obs_lat_deg,obs_lon_deg,obs_height_m\n2026-06-20,35,139,0\n2026-06-20,,,\n"));
+  CHECK_FALSE(rows[0].at("sun_elev_deg").empty());
+  CHECK(rows[1].at("sun_elev_deg").empty());
+  CHECK(rows[1].at("sun_x") == rows[0].at("sun_x"));
+  CHECK(number(rows[0].at("tt_minus_ut_s")) == doctest::Approx(69.184));
+  CHECK(rows_of(probe("ephemeris", "utc\n2026-06-20\n"))[0].count("sun_elev_deg") == 0);
+  CHECK(mentions(probe_error("ephemeris", "utc,obs_lat_deg\n2026-06-20,35\n"), "'obs_lon_deg' is missing"));
+  const Error blank = probe_error("ephemeris", "utc,obs_lat_deg,obs_lon_deg,obs_height_m\n2026-06-20,35,,0\n");
+  CHECK(mentions(blank, "line 2, column 'obs_lon_deg'"));
+  CHECK(rows_of(probe("enu_frames", "lat_deg,lon_deg,height_m\n0,0,0\n"))[0].count("target_e_m") == 0);
+}
+
+TEST_CASE("a missing column or a bad value is an input error that names line and column") {
+  const std::string header = "id,lat_deg,lon_deg,height_m\n";
+  const struct {
+    std::string table, says;
+  } cases[] = {
+      {header + "1,10,20,30\n\n2,10,abc,30\n", "line 4, column 'lon_deg': 'abc'"},
+      {header + "1,nan,20,30\n", "line 2, column 'lat_deg': 'nan' is not a finite number"},
+      {header + "1,10,inf,30\n", "'inf' is not a finite number"},
+      {header + "1,10,1e999,30\n", "'1e999' is not a finite number"},
+      {header + "1,91,20,30\n", "column 'lat_deg': 91 is outside -90..90"},
+      {header + "1,10,,30\n", "line 2, column 'lon_deg': the cell is empty"},
+      {header + "1,10,20 30,30\n", "'20 30'"},
+      {header + "1,10,0x20,30\n", "'0x20'"},
+      {header + "1,10,+-20,30\n", "'+-20'"},
+      {header + "1,10,20\n", "line 2: 3 cells where the header has 4 (column 'height_m' is missing)"},
+      {header + "1,10,20,30,40\n", "line 2: 5 cells where the header has 4"},
+      {"id,lat,lon_deg,height_m\n1,2,3,4\n", "line 1: column 'lat_deg' is missing (found: id, lat, lon_deg, height_m)"},
+      {"lat_deg,lat_deg,lon_deg,height_m\n1,1,2,3\n", "column 'lat_deg' is there twice"},
+      {header + "1,10,20,\"30\n", "line 2: a double quote is never closed"},
+      {header + "1,10,\"20\"x,30\n", "line 2: 'x' follows"},
+      {"", "the table is empty"},
+      {"\n \n", "the table is empty"}};
+  for (const auto& c : cases) {
+    CAPTURE(c.table);
+    const Error e = probe_error("geodetic_ecef", c.table);
+    CAPTURE(e.what());
+    CHECK(e.kind() == ErrorKind::input);
+    CHECK(mentions(e, c.says));
+  }
+  for (const char* utc : {"1899-12-31", "2101-01-01", "yesterday", "2026-02-30"}) {
+    const Error e = probe_error("ephemeris", std::string("utc\n2026-01-01\n") + utc + "\n");
+    CHECK(e.kind() == ErrorKind::input);
+    CHECK(mentions(e, "line 3, column 'utc'"));
+  }
+}
+
+TEST_CASE("line numbers count lines inside quoted cells") {
+  const Error e = probe_error("geoid_egm96", "note,lat_deg,lon_deg\n\"two\nlines\",1,2\nx,1,bad\n");
+  CHECK(mentions(e, "line 4, column 'lon_deg'"));
+}
+
+TEST_CASE("an unknown kind is a usage error that names the nearest and all known kinds") {
+  const Error e = probe_error("geodetic_ecf", "");
+  CHECK(e.kind() == ErrorKind::usage);
+  CHECK(mentions(e, "did you mean 'geodetic_ecef'"));
+  for (const char* kind : {"geodetic_ecef", "ecef_to_geodetic", "enu_frames", "geodesic_inverse", "geodesic_direct",
+                           "geoid_egm96", "ephemeris"})
+    CHECK(mentions(e, kind));
+}
+
+TEST_CASE("an output that cannot be written is a failure") {
+  std::istringstream in("lat_deg,lon_deg\n1,2\n");
+  std::ofstream full("/dev/full");
+  try {
+    run_probe("geoid_egm96", in, full);
+    FAIL("no error");
+  } catch (const Error& e) {
+    CHECK(e.kind() == ErrorKind::failure);
+  }
+}
