@@ -3,9 +3,8 @@
 
 namespace nepho {
 
-/// An ISO 8601 time as canonical UTC, "2026-06-20T23:30:00Z" (with a fraction of up to nine digits where there is one).
-/// Takes a date alone (midnight), hours and minutes, seconds, a fraction, and a zone: Z, +HH:MM, or none for UTC.
-/// 1900-01-01 to 2100-12-31; second 60 only at 23:59 UTC, where leap seconds are.
+/// A time as parse_utc() of astro takes it (ISO 8601, 1900..2100, with or without a zone), as canonical UTC:
+/// "2026-06-20T23:30:00Z", with as many decimals of the second, up to nine, as it has.
 /// Throws Error(input) with one line that names the text and what is wrong with it.
 std::string canonical_utc(const std::string& text);
 
