@@ -1,0 +1,10 @@
+#pragma once
+#include <iosfwd>
+
+namespace nepho {
+
+/// `nepho info`: version, Vulkan devices, data found, named places, versions of libraries. As text or as one JSON
+/// object.
+void print_info(bool as_json, std::ostream& out);
+
+}  // namespace nepho

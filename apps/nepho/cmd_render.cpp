@@ -1,0 +1,86 @@
+#include "nepho/cmd_render.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <sstream>
+
+#include "base/error.h"
+#include "base/files.h"
+#include "scene/scene_json.h"
+
+namespace nepho {
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string lower_extension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+std::set<std::string> parse_layers(const std::string& text, const std::vector<std::string>& known) {
+  std::set<std::string> layers;
+  std::istringstream in(text);
+  for (std::string name; std::getline(in, name, ',');) {
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      const std::string nearest = nearest_name(name, known);
+      throw fail(ErrorKind::usage, "--aov: '{}' is unknown; {}known: {}", name,
+                 nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest), fmt::join(known, ", "));
+    }
+    layers.insert(name);
+  }
+  if (layers.empty()) throw fail(ErrorKind::usage, "--aov: no names given; known: {}", fmt::join(known, ", "));
+  return layers;
+}
+
+}  // namespace
+
+void RenderCommand::add_to(CLI::App& command) {
+  scene_.add_to(command);
+  add_repeated(command, "-o,--output", images_, "OUT",
+               "picture to write: .png (8 bit, tone mapped) or .exr (radiance and layers); may be repeated");
+  command.add_option("--aov", aov_, "layers of EXR files, separated by commas; default: all")->type_name("NAME,...");
+  command.add_option("--timings", timings_, "times of start-up and every pass, as JSON")->type_name("FILE.json");
+  command.add_option("--save-scene", save_scene_, "the scene as drawn, with all options in it")->type_name("FILE.json");
+  command.add_option("--device", device_, kDeviceHelp)->type_name("NAME");
+  command.add_option("--upscale", upscale_, "16, 4, 2 or 1: pixels per marched pixel of clouds (only 1 so far)")
+      ->type_name("U");
+  command.add_option("--debug", debug_, "a view of the renderer's insides (not supported yet)")->type_name("NAME");
+  command.add_flag("--validation", validation_, "use the Vulkan validation layer")->group("");
+}
+
+RenderOutputs RenderCommand::outputs(const std::vector<std::string>& layer_names) const {
+  if (!debug_.empty()) throw fail(ErrorKind::usage, "--debug: not supported yet");
+  if (upscale_ == "16" || upscale_ == "4" || upscale_ == "2")
+    throw fail(ErrorKind::usage, "--upscale {}: not supported yet; only 1 is", upscale_);
+  if (!upscale_.empty() && upscale_ != "1")
+    throw fail(ErrorKind::usage, "--upscale: '{}' is not one of 16, 4, 2, 1", upscale_);
+  if (images_.empty() && save_scene_.empty())
+    throw fail(ErrorKind::usage, "no output: give -o OUT.png, -o OUT.exr or --save-scene FILE.json");
+  RenderOutputs outputs;
+  for (const std::string& image : images_) {
+    const std::string extension = lower_extension(image);
+    if (extension != ".exr" && extension != ".png")
+      throw fail(ErrorKind::usage, "-o: '{}' does not end in .exr or .png", image);
+    outputs.images.emplace_back(image);
+  }
+  if (!aov_.empty()) outputs.layers = parse_layers(aov_, layer_names);
+  outputs.timings = timings_;
+  outputs.device = device_;
+  outputs.validation = validation_;
+  return outputs;
+}
+
+void RenderCommand::run(const Program& program) const {
+  const RenderOutputs wanted = outputs(program.layer_names);
+  const Scene scene = scene_.scene();
+  require_inputs(scene);
+  for (const fs::path& image : wanted.images) require_writable(image);
+  if (!timings_.empty()) require_writable(timings_);
+  if (!save_scene_.empty()) save_scene(save_scene_, scene);
+  if (!wanted.images.empty()) program.render(scene, wanted);
+}
+
+}  // namespace nepho

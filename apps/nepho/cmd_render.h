@@ -1,0 +1,23 @@
+#pragma once
+#include "nepho/options.h"
+#include "nepho/program.h"
+
+namespace nepho {
+
+/// `nepho render`: a picture of a scene.
+class RenderCommand {
+ public:
+  void add_to(CLI::App& command);
+  /// Checks everything that can be checked without a device, then renders. Throws Error.
+  void run(const Program& program) const;
+
+ private:
+  RenderOutputs outputs(const std::vector<std::string>& layer_names) const;
+
+  SceneOptions scene_;
+  std::vector<std::string> images_;
+  std::string aov_, timings_, save_scene_, device_, debug_, upscale_;
+  bool validation_ = false;
+};
+
+}  // namespace nepho

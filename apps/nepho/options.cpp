@@ -1,0 +1,186 @@
+#include "nepho/options.h"
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "base/error.h"
+#include "scene/parameter_text.h"
+#include "scene/places.h"
+#include "scene/scene_json.h"
+#include "scene/scene_validate.h"
+
+namespace nepho {
+
+namespace {
+
+/// Options that set one parameter each.
+struct Flag {
+  const char* flag;
+  const char* placeholder;
+  const char* path;
+};
+constexpr Flag kFlags[] = {
+    {"--height", "M", "camera.height_m"},
+    {"--agl", "M", "camera.agl_m"},
+    {"--heading", "DEG", "camera.heading_deg"},
+    {"--pitch", "DEG", "camera.pitch_deg"},
+    {"--roll", "DEG", "camera.roll_deg"},
+    {"--fov", "DEG", "camera.fov_deg"},
+    {"--time", "ISO8601", "time"},
+    {"--quality", "NAME", "render.quality"},
+    {"--coverage", "SHARE", "clouds.coverage"},
+    {"--frames", "N", "render.frames"},
+    {"--seed", "N", "render.seed"},
+};
+
+/// Parameters that options of several parts set.
+const std::map<std::string, std::string> kParts = {
+    {"camera.lat_deg", "--at"},
+    {"camera.lon_deg", "--at"},
+    {"camera.look_at.lat_deg", "--look-at"},
+    {"camera.look_at.lon_deg", "--look-at"},
+    {"camera.look_at.height_m", "--look-at"},
+    {"render.width", "--size"},
+    {"render.height", "--size"},
+    {"render.exposure_ev100", "--exposure"},
+};
+
+/// The option that sets the parameter at `path`, for messages; the path itself when there is none.
+std::string option_of(const std::string& path) {
+  for (const Flag& flag : kFlags)
+    if (path == flag.path) return flag.flag;
+  const auto part = kParts.find(path);
+  if (part == kParts.end()) return path;
+  const std::string member = path.substr(path.rfind('.') + 1);
+  const std::string what = member.substr(0, member.find('_'));  // lat_deg -> lat
+  return part->second == "--exposure" ? part->second : part->second + ": " + what;
+}
+
+std::string help_of(const Flag& flag) {
+  const Field field = parameter_field(flag.path);
+  if (!field.choices.empty()) return fmt::format("{}: {}", field.doc, fmt::join(field.choices, ", "));
+  if (field.text == TextKind::utc) return field.doc;
+  return fmt::format("{} ({})", field.doc, field.range.text(field.unit));
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts{""};
+  for (const char c : text)
+    if (c == separator)
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  return parts;
+}
+
+/// "LAT,LON" or "LAT,LON,HEIGHT".
+std::vector<double> parse_position(const std::string& flag, const std::string& text, size_t max_parts) {
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.size() < 2 || parts.size() > max_parts)
+    throw fail(ErrorKind::usage, "{}: '{}' is not LAT,LON{}", flag, text, max_parts > 2 ? "[,HEIGHT]" : "");
+  std::vector<double> numbers;
+  for (const std::string& part : parts) numbers.push_back(parse_number(part, flag));
+  return numbers;
+}
+
+void set_size(RenderParams& render, const std::string& text) {
+  const std::vector<std::string> parts = split(text, text.find('X') == std::string::npos ? 'x' : 'X');
+  if (parts.size() != 2) throw fail(ErrorKind::usage, "--size: '{}' is not WxH, such as 640x360", text);
+  Scene sized;  // the parameters' own rules for whole numbers and ranges
+  set_parameter(sized, "render.width", parts[0], option_of("render.width"));
+  set_parameter(sized, "render.height", parts[1], option_of("render.height"));
+  render.width = sized.render.width;
+  render.height = sized.render.height;
+}
+
+}  // namespace
+
+CLI::Option* add_repeated(CLI::App& command, const std::string& flags, std::vector<std::string>& values,
+                          const std::string& placeholder, const std::string& help) {
+  return command.add_option(flags, values, help)->allow_extra_args(false)->type_name(placeholder);
+}
+
+void SceneOptions::add_text(CLI::App& command, const std::string& flag, const std::string& placeholder,
+                            const std::string& help) {
+  options_[flag] = command.add_option(flag, text_[flag], help)->type_name(placeholder);
+}
+
+size_t SceneOptions::count(const std::string& flag) const { return options_.at(flag)->count(); }
+
+void SceneOptions::add_to(CLI::App& command) {
+  command.add_option("scene", file_, "scene file (docs/scene.md); without one, --place or --at, the place fuji")
+      ->type_name("SCENE.json");
+  add_text(command, "--place", "NAME", "a named view with its time: see nepho info");
+  add_text(command, "--at", "LAT,LON", "where the camera is, in degrees; 2 m above the ground unless told otherwise");
+  add_text(command, "--look-at", "LAT,LON[,HEIGHT]", "a point to look at; without a height the ground there");
+  add_text(command, "--size", "WxH", "size of the picture in pixels, 1..16384 each");
+  for (const Flag& flag : kFlags) add_text(command, flag.flag, flag.placeholder, help_of(flag));
+  add_text(command, "--exposure", "EV|auto", "exposure of PNG pictures at ISO 100");
+  add_repeated(command, "--terrain", terrain_, "FILE", "elevation raster over the default Earth; may be repeated");
+  add_repeated(command, "--imagery", imagery_, "FILE", "imagery raster over the default Earth; may be repeated");
+  add_text(command, "--weather", "FILE", "forecast (not supported yet)");
+}
+
+void SceneOptions::place_camera(Scene& scene) const {
+  CameraParams& camera = scene.camera;
+  if (given("--at")) {
+    const std::vector<double> at = parse_position("--at", text_.at("--at"), 2);
+    camera.lat_deg = at[0];
+    camera.lon_deg = at[1];
+    // The heights and the target of the scene belong to the scene's own place.
+    camera.height_m.reset();
+    camera.agl_m.reset();
+    camera.look_at.reset();
+  }
+  if (given("--height") && given("--agl")) throw fail(ErrorKind::usage, "--height and --agl: give one of the two");
+  if (given("--height")) camera.agl_m.reset();
+  if (given("--agl")) camera.height_m.reset();
+  const bool aimed = given("--heading") || given("--pitch");
+  if (given("--look-at") && aimed)
+    throw fail(ErrorKind::usage, "--look-at and {}: give one of the two", given("--heading") ? "--heading" : "--pitch");
+  if (aimed) camera.look_at.reset();
+  if (given("--look-at")) {
+    const std::vector<double> target = parse_position("--look-at", text_.at("--look-at"), 3);
+    camera.look_at = LookAt{.lat_deg = target[0], .lon_deg = target[1], .height_m = {}};
+    if (target.size() > 2) camera.look_at->height_m = target[2];
+  }
+}
+
+Scene SceneOptions::scene() const {
+  if (given("--place") && given("--at")) throw fail(ErrorKind::usage, "--place and --at: give one of the two");
+  if (given("--weather")) throw fail(ErrorKind::usage, "--weather: not supported yet");
+  if (given("--quality") && text_.at("--quality") == "reference")
+    throw fail(ErrorKind::usage, "--quality reference: not supported yet");
+
+  Scene scene;
+  if (!file_.empty()) scene = load_scene(file_);
+  if (given("--place") || (file_.empty() && !given("--at"))) {
+    const Place place = find_place(given("--place") ? text_.at("--place") : "fuji");
+    scene.camera = place.camera;
+    scene.time = place.time;
+  }
+  place_camera(scene);
+  for (const Flag& flag : kFlags)
+    if (given(flag.flag)) set_parameter(scene, flag.path, text_.at(flag.flag), flag.flag);
+  if (given("--size")) set_size(scene.render, text_.at("--size"));
+  if (given("--exposure")) {
+    const std::string& exposure = text_.at("--exposure");
+    scene.render.exposure_ev100.reset();
+    if (exposure != "auto") scene.render.exposure_ev100 = parse_number(exposure, "--exposure");
+  }
+  scene.terrain.elevation.insert(scene.terrain.elevation.end(), terrain_.begin(), terrain_.end());
+  scene.imagery.files.insert(scene.imagery.files.end(), imagery_.begin(), imagery_.end());
+  validate(scene, ErrorKind::usage, option_of);
+  return scene;
+}
+
+void require_inputs(const Scene& scene) {
+  for (const std::vector<std::string>* list : {&scene.terrain.elevation, &scene.imagery.files})
+    for (const std::string& file : *list) {
+      std::error_code ec;
+      if (is_local_path(file) && !std::filesystem::exists(file, ec))
+        throw fail(ErrorKind::input, "{}: no such file", file);
+    }
+}
+
+}  // namespace nepho

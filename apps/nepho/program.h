@@ -1,0 +1,27 @@
+#pragma once
+#include <functional>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "nepho/probe.h"
+#include "nepho/render_scene.h"
+
+namespace nepho {
+
+/// What the commands call, so that the command line can be tested without a device, and the streams they use.
+struct Program {
+  std::function<void(const Scene&, const RenderOutputs&)> render;
+  std::function<int(const std::string& kind, std::istream&, std::ostream&, const ProbeOptions&)> probe;
+  std::function<void(bool as_json, std::ostream&)> info;
+  std::vector<std::string> layer_names;  ///< that --aov knows
+  std::vector<std::string> probe_kinds;  ///< for the help of `nepho probe`
+  std::istream& in;
+  std::ostream& out;  ///< results
+  std::ostream& err;  ///< messages
+};
+
+/// Runs `nepho` with the arguments after the program's name. Returns the exit status; throws nothing.
+int run_program(const std::vector<std::string>& arguments, const Program& program);
+
+}  // namespace nepho

@@ -1,0 +1,23 @@
+#pragma once
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace nepho {
+
+/// What `nepho render` writes, and with which device. All names are checked before the device is opened.
+struct RenderOutputs {
+  std::vector<std::filesystem::path> images;  ///< .exr or .png
+  std::set<std::string> layers;               ///< of EXR files, names of known_layers(); empty: all
+  std::filesystem::path timings;              ///< JSON; empty: none
+  std::string device;                         ///< as gpu::DeviceOptions::device
+  bool validation = false;                    ///< Vulkan validation layer
+};
+
+/// Draws a scene and writes its outputs. Throws Error.
+void render_scene(const Scene& scene, const RenderOutputs& outputs);
+
+}  // namespace nepho

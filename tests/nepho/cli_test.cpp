@@ -1,0 +1,298 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <sstream>
+
+#include "base/error.h"
+#include "nepho/program.h"
+#include "scene/places.h"
+#include "scene/scene_json.h"
+
+using namespace nepho;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// What a run of the command line did. Rendering is recorded instead of done: these tests are about the command line.
+struct Run {
+  int status = 0;
+  std::string out, err;
+  std::optional<Scene> scene;  ///< that would have been rendered
+  RenderOutputs outputs;
+  std::string probe_kind;
+  std::optional<Scene> probe_scene;
+};
+
+Run run(std::vector<std::string> arguments) {
+  Run result;
+  std::istringstream in;
+  std::ostringstream out, err;
+  const Program program{.render =
+                            [&](const Scene& scene, const RenderOutputs& outputs) {
+                              result.scene = scene;
+                              result.outputs = outputs;
+                            },
+                        .probe =
+                            [&](const std::string& kind, std::istream&, std::ostream&, const ProbeOptions& options) {
+                              result.probe_kind = kind;
+                              result.probe_scene = options.scene;
+                              return 0;
+                            },
+                        .info = [](bool as_json, std::ostream& stream) { stream << (as_json ? "{}" : "text"); },
+                        .layer_names = {"depth", "position", "cloud"},
+                        .probe_kinds = {"geodetic_ecef"},
+                        .in = in,
+                        .out = out,
+                        .err = err};
+  result.status = run_program(arguments, program);
+  result.out = out.str();
+  result.err = err.str();
+  return result;
+}
+
+/// A render command with an output in the temporary folder.
+Run render(std::vector<std::string> options) {
+  options.insert(options.begin(), "render");
+  options.insert(options.end(), {"-o", fs::temp_directory_path() / "nepho_cli_test.png"});
+  return run(options);
+}
+
+/// The scene that a render command with these options draws.
+Scene scene_of(const std::vector<std::string>& options) {
+  const Run result = render(options);
+  CHECK(result.err.empty());
+  CHECK(result.status == 0);
+  REQUIRE(result.scene.has_value());
+  return *result.scene;
+}
+
+/// Checks that a command fails with a status and one line on standard error, which is returned without its prefix.
+std::string message_of(const Run& result, int status) {
+  CHECK(result.status == status);
+  CHECK(result.out.empty());
+  CHECK_FALSE(result.scene.has_value());
+  CHECK(std::count(result.err.begin(), result.err.end(), '\n') == 1);
+  const std::string prefix = "nepho: error: ";
+  CHECK(result.err.starts_with(prefix));
+  return result.err.substr(std::min(prefix.size(), result.err.size()), result.err.find('\n') - prefix.size());
+}
+
+}  // namespace
+
+TEST_CASE("--help and --version go to standard output with status 0") {
+  CHECK(run({"--version"}).out == "nepho " NEPHO_VERSION "\n");
+  const Run help = run({"--help"});
+  CHECK(help.status == 0);
+  for (const char* command : {"render", "probe", "info", "compare", "tour", "bench", "map", "view"})
+    CHECK(help.out.find(std::string("  ") + command + " ") != std::string::npos);
+  const Run render_help = run({"render", "--help"});
+  CHECK(render_help.status == 0);
+  for (const char* option :
+       {"--place",   "--at",      "--height",  "--agl",       "--heading", "--pitch",    "--roll",
+        "--look-at", "--fov",     "--time",    "--size",      "--quality", "--upscale",  "--coverage",
+        "--terrain", "--imagery", "--weather", "--frames",    "--seed",    "--exposure", "--aov",
+        "--debug",   "--timings", "--device",  "--save-scene"})
+    CHECK_MESSAGE(render_help.out.find(option) != std::string::npos, option);
+  CHECK(render_help.out.find("--validation") == std::string::npos);
+}
+
+TEST_CASE("commands of later issues say 'not supported yet' in one line, status 2") {
+  CHECK(run({"tour", "a.kml", "-o", "b.mp4"}).err == "nepho tour: not supported yet\n");
+  for (const char* command : {"compare", "tour", "bench", "map", "view"}) CHECK(run({command}).status == 2);
+}
+
+TEST_CASE("a missing or unknown command or option is a usage error that says what was meant") {
+  CHECK(message_of(run({}), 2) == "a command is missing; see nepho --help");
+  CHECK(message_of(run({"rendr"}), 2) == "'rendr' is not expected; did you mean 'render'?");
+  CHECK(message_of(render({"--covrage", "0.2"}), 2) == "'--covrage' is not expected; did you mean '--coverage'?");
+  CHECK(message_of(run({"render", "--fov"}), 2).find("--fov") != std::string::npos);
+  CHECK(message_of(run({"probe"}), 2).find("kind") != std::string::npos);
+}
+
+TEST_CASE("the options of the issue's example give the scene that they say") {
+  const Scene scene = scene_of({"--at", "35.47,138.60", "--height", "2500", "--look-at", "35.3606,138.7274,3700",
+                                "--time", "2026-06-20T23:30:00Z", "--size", "641x361"});
+  CHECK(scene.camera.lat_deg == 35.47);
+  CHECK(scene.camera.lon_deg == 138.60);
+  CHECK(scene.camera.height_m == 2500.0);
+  CHECK(scene.camera.look_at == LookAt{.lat_deg = 35.3606, .lon_deg = 138.7274, .height_m = 3700.0});
+  CHECK(scene.time == "2026-06-20T23:30:00Z");
+  CHECK(scene.render.width == 641);
+  CHECK(scene.render.height == 361);
+}
+
+TEST_CASE("every option of one number or name sets its parameter") {
+  const Scene scene = scene_of({"--agl",    "12.5",  "--heading", "270",        "--pitch",    "-30",        "--roll",
+                                "-5",       "--fov", "60",        "--quality",  "low",        "--coverage", "0.7",
+                                "--frames", "3",     "--seed",    "4294967295", "--exposure", "-2.5"});
+  CHECK(scene.camera.agl_m == 12.5);
+  CHECK_FALSE(scene.camera.height_m.has_value());
+  CHECK(scene.camera.heading_deg == 270.0);
+  CHECK(scene.camera.pitch_deg == -30.0);
+  CHECK(scene.camera.roll_deg == -5.0);
+  CHECK(scene.camera.fov_deg == 60.0);
+  CHECK(scene.render.quality == "low");
+  CHECK(scene.clouds.coverage == 0.7);
+  CHECK(scene.render.frames == 3);
+  CHECK(scene.render.seed == 4294967295u);
+  CHECK(scene.render.exposure_ev100 == -2.5);
+  CHECK_FALSE(scene_of({"--exposure", "auto"}).render.exposure_ev100.has_value());
+}
+
+TEST_CASE("negative numbers parse as values of options") {
+  const Scene scene = scene_of({"--at", "-33.8,151.2", "--look-at", "-33.9,-151.2"});
+  CHECK(scene.camera.lat_deg == -33.8);
+  CHECK(scene.camera.look_at->lon_deg == -151.2);
+  CHECK(scene_of({"--pitch", "-30"}).camera.pitch_deg == -30.0);
+  CHECK(scene_of({"--at=-33.8,-151.2"}).camera.lon_deg == -151.2);
+}
+
+TEST_CASE("--at alone stands 2 m above the ground, whatever the scene file says of its own place") {
+  const fs::path file = fs::temp_directory_path() / "nepho_cli_test.json";
+  std::ofstream(file) << R"({"camera": {"height_m": 9000, "look_at": {"lat_deg": 1, "lon_deg": 2}, "fov_deg": 33},
+                             "clouds": {"coverage": 0.9}})";
+  const Scene scene = scene_of({file, "--at", "10,20"});
+  CHECK_FALSE(scene.camera.height_m.has_value());
+  CHECK_FALSE(scene.camera.agl_m.has_value());
+  CHECK_FALSE(scene.camera.look_at.has_value());
+  CHECK(scene.camera.fov_deg == 33.0);
+  CHECK(scene.clouds.coverage == 0.9);
+  CHECK(scene_of({file, "--agl", "5"}).camera.agl_m == 5.0);
+  CHECK(scene_of({file, "--coverage", "0.1"}).camera.height_m == 9000.0);
+  fs::remove(file);
+}
+
+TEST_CASE("without a scene, place or point the view is that of fuji; a place brings its camera and time") {
+  const Place fuji = find_place("fuji");
+  CHECK(scene_of({}).camera == fuji.camera);
+  CHECK(scene_of({}).time == fuji.time);
+  CHECK(scene_of({"--place", "orbit"}).camera.height_m == 400e3);
+  CHECK(scene_of({"--place", "orbit", "--time", "2026-01-01T12:00+01:00"}).time == "2026-01-01T11:00:00Z");
+  CHECK(scene_of({"--at", "1,2"}).camera.heading_deg == 0.0);
+}
+
+TEST_CASE("a heading or pitch takes the place of a scene's look_at") {
+  const fs::path file = fs::temp_directory_path() / "nepho_cli_test2.json";
+  std::ofstream(file) << R"({"camera": {"look_at": {"lat_deg": 1, "lon_deg": 2}}})";
+  CHECK_FALSE(scene_of({file, "--heading", "90"}).camera.look_at.has_value());
+  fs::remove(file);
+}
+
+TEST_CASE("options that exclude each other are usage errors") {
+  CHECK(message_of(render({"--place", "fuji", "--at", "1,2"}), 2) == "--place and --at: give one of the two");
+  CHECK(message_of(render({"--height", "1", "--agl", "2"}), 2) == "--height and --agl: give one of the two");
+  CHECK(message_of(render({"--look-at", "1,2", "--pitch", "2"}), 2) == "--look-at and --pitch: give one of the two");
+}
+
+TEST_CASE("values out of range are usage errors that name the option and the range") {
+  CHECK(message_of(render({"--at", "91,0"}), 2) == "--at: lat: 91 is out of range; allowed: -90..90 deg");
+  CHECK(message_of(render({"--look-at", "0,500"}), 2) == "--look-at: lon: 500 is out of range; allowed: -180..360 deg");
+  CHECK(message_of(render({"--size", "0x0"}), 2) == "--size: width: 0 is out of range; allowed: 1..16384 px");
+  CHECK(message_of(render({"--size", "100000x100000"}), 2) ==
+        "--size: width: 100000 is out of range; allowed: 1..16384 px");
+  CHECK(message_of(render({"--size", "640x-360"}), 2) == "--size: height: -360 is out of range; allowed: 1..16384 px");
+  CHECK(message_of(render({"--coverage", "1.01"}), 2) == "--coverage: 1.01 is out of range; allowed: 0..1");
+  CHECK(message_of(render({"--coverage", "nan"}), 2) == "--coverage: nan is out of range; allowed: 0..1");
+  CHECK(message_of(render({"--fov", "0"}), 2) == "--fov: 0 is out of range; allowed: > 0 and < 180 deg");
+  CHECK(message_of(render({"--height", "inf"}), 2) == "--height: inf is out of range; allowed: -12000..1000000000 m");
+  CHECK(message_of(render({"--frames", "0"}), 2) == "--frames: 0 is out of range; allowed: 1..4096");
+  CHECK(message_of(render({"--exposure", "100"}), 2) == "--exposure: 100 is out of range; allowed: -30..40 EV");
+  CHECK(message_of(render({"--time", "1850-01-01"}), 2).starts_with("--time: time '1850-01-01'"));
+  CHECK(message_of(render({"--quality", "best"}), 2).starts_with("--quality: 'best' is not one of low, medium,"));
+}
+
+TEST_CASE("values that are not what the option wants are usage errors that quote them") {
+  CHECK(message_of(render({"--fov", "wide"}), 2) == "--fov: 'wide' is not a number");
+  CHECK(message_of(render({"--fov", "45deg"}), 2) == "--fov: '45deg' is not a number");
+  CHECK(message_of(render({"--at", "35.47"}), 2) == "--at: '35.47' is not LAT,LON");
+  CHECK(message_of(render({"--at", "35,138,2"}), 2) == "--at: '35,138,2' is not LAT,LON");
+  CHECK(message_of(render({"--look-at", "35,x"}), 2) == "--look-at: 'x' is not a number");
+  CHECK(message_of(render({"--size", "640"}), 2) == "--size: '640' is not WxH, such as 640x360");
+  CHECK(message_of(render({"--size", "640.5x360"}), 2) == "--size: width: 640.5 is not a whole number");
+  CHECK(message_of(render({"--coverage", "1e999"}), 2) == "--coverage: 1e999 is too large or too small for a number");
+  CHECK(message_of(render({"--place", "fugi"}), 2).starts_with("--place: 'fugi' is unknown; did you mean 'fuji'?"));
+}
+
+TEST_CASE("options of later issues say 'not supported yet'") {
+  CHECK(message_of(render({"--weather", "a.grib2"}), 2) == "--weather: not supported yet");
+  CHECK(message_of(render({"--debug", "normals"}), 2) == "--debug: not supported yet");
+  CHECK(message_of(render({"--quality", "reference"}), 2) == "--quality reference: not supported yet");
+  CHECK(message_of(render({"--upscale", "16"}), 2) == "--upscale 16: not supported yet; only 1 is");
+  CHECK(message_of(render({"--upscale", "3"}), 2) == "--upscale: '3' is not one of 16, 4, 2, 1");
+  CHECK(render({"--upscale", "1"}).status == 0);
+}
+
+TEST_CASE("outputs: several, of known kinds, in folders that exist") {
+  const fs::path dir = fs::temp_directory_path();
+  const Run both = run({"render", "-o", dir / "a.exr", "-o", dir / "b.PNG", "--timings", dir / "t.json", "--device",
+                        "llvm", "--validation", "--aov", "depth,cloud"});
+  CHECK(both.status == 0);
+  CHECK(both.outputs.images == std::vector<fs::path>{dir / "a.exr", dir / "b.PNG"});
+  CHECK(both.outputs.timings == dir / "t.json");
+  CHECK(both.outputs.device == "llvm");
+  CHECK(both.outputs.validation);
+  CHECK(both.outputs.layers == std::set<std::string>{"cloud", "depth"});
+  CHECK(render({}).outputs.layers.empty());
+  CHECK(message_of(run({"render"}), 2).starts_with("no output: give -o OUT.png"));
+  CHECK(message_of(run({"render", "-o", "a.jpg"}), 2) == "-o: 'a.jpg' does not end in .exr or .png");
+  CHECK(
+      message_of(run({"render", "-o", "/nonexistent/a.png"}), 5).starts_with("/nonexistent/a.png: cannot be written"));
+  CHECK(message_of(render({"--timings", "/nonexistent/t.json"}), 5).starts_with("/nonexistent/t.json: "));
+  CHECK(message_of(render({"--aov", "dept"}), 2) ==
+        "--aov: 'dept' is unknown; did you mean 'depth'? known: depth, position, cloud");
+}
+
+TEST_CASE("a missing or wrong input file is status 3, before the device is opened") {
+  CHECK(message_of(render({"/nonexistent/s.json"}), 3) == "/nonexistent/s.json: no such file");
+  CHECK(message_of(render({"--terrain", "/nonexistent/a.tif"}), 3) == "/nonexistent/a.tif: no such file");
+  CHECK(message_of(render({"--imagery", "/nonexistent/a.tif"}), 3) == "/nonexistent/a.tif: no such file");
+  const fs::path file = fs::temp_directory_path() / "nepho_cli_test3.json";
+  std::ofstream(file) << R"({"camera": {"lat_deg": 91}})";
+  CHECK(message_of(render({file}), 3) == file.string() + ": camera.lat_deg: 91 is out of range; allowed: -90..90 deg");
+  std::ofstream(file) << R"({"terrain": {"elevation": ["gone.tif"]}})";
+  CHECK(message_of(render({file}), 3) == (file.parent_path() / "gone.tif").string() + ": no such file");
+  fs::remove(file);
+}
+
+TEST_CASE("--terrain and --imagery take one file each time and add to those of the scene") {
+  const Scene scene = scene_of({"--terrain", "/dev/null", "--terrain", "/vsizip/a.zip", "--imagery", "NETCDF:a.nc:v"});
+  CHECK(scene.terrain.elevation == std::vector<std::string>{"/dev/null", "/vsizip/a.zip"});
+  CHECK(scene.imagery.files == std::vector<std::string>{"NETCDF:a.nc:v"});
+}
+
+TEST_CASE("--save-scene writes the scene as drawn, and needs no picture") {
+  const fs::path file = fs::temp_directory_path() / "nepho_cli_saved.json";
+  const Run saved = run({"render", "--place", "london", "--coverage", "0.25", "--save-scene", file});
+  CHECK(saved.status == 0);
+  CHECK_FALSE(saved.scene.has_value());
+  CHECK(scene_of({file}) == scene_of({"--place", "london", "--coverage", "0.25"}));
+  fs::remove(file);
+}
+
+TEST_CASE("probe takes a kind and the options of a scene; info takes --json") {
+  const Run probe = run({"probe", "geodetic_ecef", "--coverage", "0.2"});
+  CHECK(probe.status == 0);
+  CHECK(probe.probe_kind == "geodetic_ecef");
+  CHECK(probe.probe_scene->clouds.coverage == 0.2);
+  CHECK(message_of(run({"probe", "geodetic_ecef", "--coverage", "2"}), 2).starts_with("--coverage: 2 is out of range"));
+  CHECK(run({"info"}).out == "text");
+  CHECK(run({"info", "--json"}).out == "{}");
+}
+
+TEST_CASE("a failure in the middle of the work is status 5 in one line") {
+  std::istringstream in;
+  std::ostringstream out, err;
+  const Program program{.render = [](const Scene&, const RenderOutputs&) { throw std::runtime_error("broken\npipe"); },
+                        .probe = {},
+                        .info = {},
+                        .layer_names = {},
+                        .probe_kinds = {},
+                        .in = in,
+                        .out = out,
+                        .err = err};
+  CHECK(run_program({"render", "-o", fs::temp_directory_path() / "x.png"}, program) == 5);
+  CHECK(err.str() == "nepho: error: broken pipe\n");
+}
