@@ -20,9 +20,9 @@ layout(set = 0, binding = CLOUD_BINDING + 4) uniform sampler3D cloud_detail;
 
 #define CLOUD cloud.cloud_data
 
-const float kRegionalWeight = 0.42;  // standard deviations; their squares add to 1
-const float kMesoWeight = 0.50;
-const float kCellWeight = 0.757;
+const float kRegionalWeight = 0.45;  // standard deviations; their squares add to 1
+const float kMesoWeight = 0.55;
+const float kCellWeight = 0.704;
 const float kShapeWeight = 0.34;
 const float kDetailWeight = 0.085;
 const float kFineWeight = 0.03;
@@ -102,7 +102,7 @@ float cloud_extinction(float level, float unknown, float blur, float eta, float 
   if (share <= 0.0) return 0.0;
   float inner = clamp(0.35 + 1.6 * level, 0.25, 1.0);
   float sigma = CLOUD.extinction_per_m * mix(inner, 1.0, clamp(2.0 * spread, 0.0, 1.0)) * (0.55 + 0.45 * clamp(2.0 * eta, 0.0, 1.0));
-  return clumped_extinction(share, sigma, clamp(footprint_m, 1.0, 0.35 * CLOUD.thickness_m));
+  return clumped_extinction(share, sigma, clamp(0.5 * footprint_m, 1.0, 0.42 * CLOUD.thickness_m));
 }
 
 #endif

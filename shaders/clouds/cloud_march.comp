@@ -16,7 +16,7 @@ layout(set = 0, binding = 22, rgba32f) uniform writeonly image2D out_info;
 const int kMaxSteps = 176;
 const float kOpaque = 1.0e-3;         // transmittance at which nothing behind matters
 const float kDeepest = 16.0;          // optical depth at which the wide lobes are used up too
-const float kLevelStep_m = 300.0;     // a level of -1 is about this far from a cloud, at least
+const float kLevelStep_m = 220.0;     // a level of -1 is about this far from a cloud, at least
 const float kShapeReach = 1.0;        // most that billows add to a level
 
 // Interleaved gradient noise (Jimenez 2014), another offset each frame.
@@ -31,7 +31,7 @@ float march_jitter(uvec2 pixel) {
 bool layer_span(vec3 dir, float far_m, out vec2 span, out vec2 gap, out float entry_f_m2) {
   PlanetView planet = frame.frame_data.planet;
   // Scaled height is up to 1.00336 times the geodetic one: the shells are taken that much apart.
-  float low_m = CLOUD.base_m - 0.05 * CLOUD.thickness_m, high_m = (CLOUD.base_m + CLOUD.thickness_m) * 1.0034;
+  float low_m = CLOUD.base_m - 0.03 * CLOUD.thickness_m, high_m = (CLOUD.base_m + CLOUD.thickness_m) * 1.0034;
   gap = vec2(kFarDepth_m);
   entry_f_m2 = planet.camera_f_m2;
   vec2 outer, inner;
@@ -72,7 +72,7 @@ void main() {
     float f_slope = 2.0 * dot(entry_q, scaled_dir), f_bend = dot(scaled_dir, scaled_dir);
     float longest = min(span.y, gap.x) - span.x;
     if (gap.x < span.y) longest = max(longest, span.y - gap.y);
-    float cap = max(longest / 24.0, 10.0);
+    float cap = max(longest / 24.0, 10.0), leap = 0.12 * longest;
     float jitter = march_jitter(uvec2(pixel));
     float t = span.x;
     bool jittered = false;
@@ -91,7 +91,7 @@ void main() {
       float eta = (height_m - CLOUD.base_m) / CLOUD.thickness_m;
       vec3 p = dir * t;
 
-      float footprint_m = max(frame.frame_data.pixel_angle_rad * t, 0.1 * fine);
+      float footprint_m = max(1.5 * frame.frame_data.pixel_angle_rad * t, 0.1 * fine);
       float log2_footprint = log2(footprint_m);
       float step_m = fine;
       float sigma = 0.0, level = 0.0;
@@ -100,11 +100,12 @@ void main() {
         if (eta >= 0.0 && eta <= 1.0) sigma = CLOUD.uniform_density * CLOUD.extinction_per_m;
         level = 1.0;
         column = CloudColumn(8.0, 0.0, 0.0, vec2(0.0));
-      } else if (eta > -0.05 && eta < 1.0) {
+      } else if (eta > -0.03 && eta < 1.0) {
         column = cloud_column(p, up, height_m, log2_footprint);
         float unknown = column.unknown;
         level = cloud_cell_level(column, p, up, height_m, eta, log2_footprint, unknown);
-        float reach = level + kShapeReach * CLOUD.shape_amount * smoothstep(0.0, 0.25, eta) + 2.6 * sqrt(unknown);
+        // (the steep cut below the base says nothing about distance)
+        float reach = level + kBaseSharpness * max(0.05 - eta, 0.0) + kShapeReach * CLOUD.shape_amount * smoothstep(0.0, 0.25, eta) + 2.6 * sqrt(unknown);
         if (reach > 0.0) {
           level += cloud_shape_level(p, eta, log2_footprint, unknown);
           if (abs(level) < 0.6 && transmittance > 0.02) level += cloud_detail_level(p, eta, log2_footprint, unknown);
@@ -114,7 +115,7 @@ void main() {
           else
             step_m = clamp(-level * kLevelStep_m, 0.4 * fine, fine);
         } else {
-          step_m = clamp(-reach * kLevelStep_m, 0.5 * fine, fine + 0.08 * t + 200.0);
+          step_m = clamp(-reach * kLevelStep_m, 0.5 * fine, min(fine + 0.08 * t + 200.0, leap));
         }
       }
 

@@ -30,8 +30,9 @@ void main() {
   uint seed = push.seed;
   vec2 value = vec2(0.0);
   if (push.kind == kCloudNoiseField) {
-    // x: fractal field, y: convective cells, their lattice of domes bent by Perlin noise.
-    value.x = perlin(p, 4, 4, 0.62, seed);
+    // x: fractal field, y: convective cells; lattices bent by Perlin noise.
+    vec3 turned = p + 0.05 * vec3(perlin(p, 4, 2, 0.5, seed + 40u), perlin(p, 4, 2, 0.5, seed + 44u), perlin(p, 4, 2, 0.5, seed + 48u));
+    value.x = perlin(turned, 4, 4, 0.62, seed);
     vec3 bent = p + 0.035 * vec3(perlin(p, 6, 2, 0.5, seed + 8u), perlin(p, 6, 2, 0.5, seed + 16u), perlin(p, 6, 2, 0.5, seed + 24u));
     value.y = 0.60 * dome(bent, 9, seed + 32u) + 0.40 * dome(bent, 17, seed + 33u) + 0.45 * perlin(p, 7, 3, 0.6, seed + 34u);
   } else if (push.kind == kCloudNoiseShape) {

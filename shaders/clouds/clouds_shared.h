@@ -15,6 +15,15 @@ struct CloudNoisePush {
   uint seed;
 };
 
+// A square of vertical columns (cloud_columns.comp).
+struct CloudColumnsPush {
+  vec3 east, north;   // unit, ECEF axes, at the camera
+  float side_m;       // of the square
+  float footprint_m;  // detail smaller than this is averaged
+  uint count;         // columns along a side
+  uint steps;         // samples of a column
+};
+
 // Where one noise is read: its lattice turned and scaled against camera-relative ECEF metres.
 SHARED_CONST uint kDomainRegional = 0u;  // field.r, 60..8 km
 SHARED_CONST uint kDomainMeso = 1u;      // field.r, 15..2 km
@@ -92,8 +101,8 @@ SHARED_FN float cell_threshold(float eta, float probit) {
 
 // Probit of the threshold under which the whole model (cells, shape, detail, an optical depth above 1) covers
 // the share of the sky whose probit is asked. Fitted to columns of the model itself (docs/clouds.md, 'Coverage').
-SHARED_CONST float kCoverScale = 1.0f;
-SHARED_CONST float kCoverShift = 0.0f;
+SHARED_CONST float kCoverScale = 1.06f;
+SHARED_CONST float kCoverShift = -0.09f;
 SHARED_FN float threshold_probit(float probit) { return kCoverScale * probit + kCoverShift; }
 
 SHARED_END

@@ -15,7 +15,7 @@
 namespace nepho {
 namespace {
 
-constexpr uint64_t kNoiseVersion = 1;
+constexpr uint64_t kNoiseVersion = 2;
 constexpr float kRange = 4.0f;  // kNoiseRange in cloud_density.glsl
 static_assert(sizeof(shared::CloudNoisePush) == 12);
 
@@ -92,9 +92,8 @@ void normalise_volume(std::vector<float>& values, bool gaussian) {
   if (gaussian) {
     std::vector<uint32_t> order(values.size());
     for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-      return values[a] != values[b] ? values[a] < values[b] : a < b;
-    });
+    std::sort(order.begin(), order.end(),
+              [&](uint32_t a, uint32_t b) { return values[a] != values[b] ? values[a] < values[b] : a < b; });
     for (size_t rank = 0; rank < order.size(); ++rank)
       values[order[rank]] =
           static_cast<float>(exact_probit((static_cast<double>(rank) + 0.5) / static_cast<double>(order.size())));
@@ -128,7 +127,8 @@ CloudNoise::CloudNoise(gpu::Device& device) {
   for (const Volume& volume : kVolumes) {
     const uint32_t mips = full_mip_levels({volume.size, volume.size, volume.size});
     size_t expected = mips * volume.channels * sizeof(float);
-    for (uint32_t n = volume.size; n >= 1; n /= 2) expected += texels_of(n) * volume.channels * volume.bytes_per_channel;
+    for (uint32_t n = volume.size; n >= 1; n /= 2)
+      expected += texels_of(n) * volume.channels * volume.bytes_per_channel;
     const std::string file = std::string(volume.name) + ".bin";
     std::optional<std::vector<std::byte>> blob = load_cached_blob(file, kNoiseVersion);
     if (!blob || blob->size() != expected) {
@@ -152,8 +152,9 @@ CloudNoise::CloudNoise(gpu::Device& device) {
       for (uint32_t c = 0; c < volume.channels; ++c)
         std::memcpy(&variance_[mip][static_cast<int>(volume.first_variance + c)],
                     &(*blob)[offset + (mip * volume.channels + c) * sizeof(float)], sizeof(float));
-    (volume.kind == shared::kCloudNoiseField ? field_ : volume.kind == shared::kCloudNoiseShape ? shape_ : detail_) =
-        std::move(image);
+    (volume.kind == shared::kCloudNoiseField   ? field_
+     : volume.kind == shared::kCloudNoiseShape ? shape_
+                                               : detail_) = std::move(image);
   }
   // A small exhaustive fit: two numbers per noise.
   for (int c = 0; c < 4; ++c) {

@@ -7,16 +7,18 @@
 
 namespace nepho {
 
-/// The tileable noise volumes of the clouds, made on the GPU at first and then kept in cache_dir(): `field` 128^3 (fractal
-/// field, cells), `shape` 128^3 and `detail` 32^3 (billows), all with mips. Values are standard deviations from the mean,
-/// -4..4 as 0..1; `field` has a normal distribution.
+/// The tileable noise volumes of the clouds, made on the GPU at first and then kept in cache_dir(): `field` 128^3
+/// (fractal field, cells), `shape` 128^3 and `detail` 32^3 (billows), all with mips. Values are standard deviations
+/// from the mean, -4..4 as 0..1; `field` has a normal distribution.
 class CloudNoise {
  public:
   explicit CloudNoise(gpu::Device& device);
   struct Refs {
     ImageRef field, shape, detail;
   };
-  Refs import_into(FrameGraph& graph) const { return {graph.import(field_), graph.import(shape_), graph.import(detail_)}; }
+  Refs import_into(FrameGraph& graph) const {
+    return {graph.import(field_), graph.import(shape_), graph.import(detail_)};
+  }
   /// Variance that mip 0..9 keeps of field.r, field.g, shape and detail; 1 at mip 0, 0 beyond the last.
   const std::array<glm::vec4, 10>& variance() const { return variance_; }
   /// shared::variance_left() fitted to variance(), component by component.

@@ -43,7 +43,8 @@ std::optional<std::vector<std::byte>> load_cached_blob(const std::string& name, 
   if (std::memcmp(header.magic, expected.magic, sizeof header.magic) != 0 || header.key != key) return std::nullopt;
   if (header.size > (1ull << 30)) return std::nullopt;
   std::vector<std::byte> bytes(header.size);
-  if (!file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()))) return std::nullopt;
+  if (!file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())))
+    return std::nullopt;
   if (file.peek() != std::ifstream::traits_type::eof()) return std::nullopt;
   if (checksum_of(bytes.data(), bytes.size()) != header.checksum) return std::nullopt;
   return bytes;

@@ -44,7 +44,7 @@ double normal_share(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2)
 double exact_probit(double p) {
   if (p <= 1e-12) return -8.0;
   if (p >= 1.0 - 1e-12) return 8.0;
-  constexpr double a[] = {-3.969683028665376e+01, 2.209460984245205e+02, -2.759285104469687e+02,
+  constexpr double a[] = {-3.969683028665376e+01, 2.209460984245205e+02,  -2.759285104469687e+02,
                           1.383577518672690e+02,  -3.066479806614716e+01, 2.506628277459239e+00};
   constexpr double b[] = {-5.447609879822406e+01, 1.615858368580409e+02, -1.556989798598866e+02, 6.680131188771972e+01,
                           -1.328068155288572e+01};
@@ -94,9 +94,10 @@ std::vector<uint16_t> WeatherMap::make_ranks(uint32_t seed) const {
   FrameGraph graph;
   const ImageRef raw = graph.create("weather.raw", {.extent = {size_, size_}, .format = Format::r32f, .layers = 6});
   const BufferRef parameters = graph.constants("weather.generate", generator_parameters(size_, seed));
-  graph.pass("weather.generate").uniform("generate", parameters).write("out_weather", raw).record([&](gpu::Commands& cmd) {
-    cmd.bind(pipeline).dispatch_threads(size_, size_, 6);
-  });
+  graph.pass("weather.generate")
+      .uniform("generate", parameters)
+      .write("out_weather", raw)
+      .record([&](gpu::Commands& cmd) { cmd.bind(pipeline).dispatch_threads(size_, size_, 6); });
   graph.keep(raw);
   gpu::GraphExecutor executor(device_);
   executor.run(graph);
@@ -135,7 +136,8 @@ void WeatherMap::update(const WeatherSettings& settings) {
 
   std::vector<float> coverage_of(4097);  // by rank; smooth enough for linear steps
   for (size_t i = 0; i <= 4096; ++i)
-    coverage_of[i] = static_cast<float>(local_coverage(std::clamp(static_cast<double>(i) / 4096.0, 1e-4, 1.0 - 1e-4), settings));
+    coverage_of[i] =
+        static_cast<float>(local_coverage(std::clamp(static_cast<double>(i) / 4096.0, 1e-4, 1.0 - 1e-4), settings));
   std::vector<float> level(ranks_.size());
   for (size_t i = 0; i < level.size(); ++i) {
     const float at = static_cast<float>(ranks_[i]) * (4096.0f / 65535.0f);

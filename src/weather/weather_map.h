@@ -14,12 +14,13 @@ struct WeatherSettings {
   bool operator==(const WeatherSettings&) const = default;
 };
 
-/// Local coverage where the large-scale field has the rank `rank` (0..1, uniform over the globe's area). The whole field
-/// is contrast x large scale + sqrt(1 - contrast^2) x small scales, both standard normal, so that thresholding it at the
-/// probit of `coverage` gives exactly that mean for every contrast. 0 and 1 stay 0 and 1.
+/// Local coverage where the large-scale field has the rank `rank` (0..1, uniform over the globe's area). The whole
+/// field is contrast x large scale + sqrt(1 - contrast^2) x small scales, both standard normal, so that thresholding it
+/// at the probit of `coverage` gives exactly that mean for every contrast. 0 and 1 stay 0 and 1.
 double local_coverage(double rank, const WeatherSettings& settings);
 
-/// Inverse of the standard normal's distribution function (Acklam's rational approximation, 1e-9 relative); -+8 at 0, 1.
+/// Inverse of the standard normal's distribution function (Acklam's rational approximation, 1e-9 relative); -+8 at
+/// 0, 1.
 double exact_probit(double share);
 
 /// Global cloud cover on the cube sphere: RGBA8, faces on +-X +-Y +-Z of ECEF, looked up by normalize(S p), with mips

@@ -1,0 +1,33 @@
+#pragma once
+#include "atmosphere/atmosphere_tables.h"
+#include "clouds/cloud_density.h"
+#include "gpu/pipeline.h"
+
+namespace nepho {
+
+/// Marches the cloud layer for every pixel (shaders/clouds/cloud_march.comp, docs/clouds.md).
+/// Reads the distance to the surface, the atmosphere's tables, the weather map and the noise volumes.
+/// Writes luminance + transmittance and per-pixel facts. With nothing to draw it only clears its outputs.
+class CloudMarchPass {
+ public:
+  struct Inputs {
+    ImageRef depth_m;  ///< r32f: distance along the pixel's ray to the surface, m; 1e10 for none
+    AtmosphereTables::Refs atmosphere;
+    CloudDensityRefs density;  ///< import_cloud_density()
+  };
+  struct Outputs {
+    /// rgba32f: luminance of the clouds at the camera, cd/m2, premultiplied and with its aerial perspective;
+    /// transmittance. The picture is rgb + a * background, where the background has its own aerial perspective.
+    ImageRef radiance;
+    /// rgba32f: contribution-weighted depth, m (1e10: none); optical depth along the ray, up to about 16;
+    /// dominant layer (0 none, 1..4); march steps.
+    ImageRef info;
+  };
+  explicit CloudMarchPass(gpu::Device& device);
+  Outputs add(FrameGraph& graph, const FrameInfo& frame, const CloudParams& params, const Inputs& in) const;
+
+ private:
+  gpu::ComputePipeline march_, clear_;
+};
+
+}  // namespace nepho
