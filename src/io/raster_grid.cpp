@@ -43,12 +43,22 @@ BlockAverager::BlockAverager(uint32_t src_width, uint32_t src_height, uint32_t b
 }
 
 void BlockAverager::add_row(std::span<const float> values, std::span<const uint8_t> valid) {
-  for (uint32_t x = 0; x < src_width_; ++x) {
-    if (!valid[x]) continue;
-    const uint32_t out = x / factor_;
-    ++counts_[out];
-    for (uint32_t b = 0; b < bands_; ++b)
-      sums_[size_t{out} * bands_ + b] += static_cast<double>(values[size_t{x} * bands_ + b]);
+  if (factor_ == 1) {
+    const size_t first = size_t{out_row_++} * src_width_;
+    std::copy_n(values.begin(), size_t{src_width_} * bands_,
+                block_.values.begin() + static_cast<std::ptrdiff_t>(first * bands_));
+    std::transform(valid.begin(), valid.begin() + src_width_, block_.valid.begin() + static_cast<std::ptrdiff_t>(first),
+                   [](uint8_t v) { return static_cast<uint8_t>(v != 0); });
+    return;
+  }
+  uint32_t x = 0;
+  for (uint32_t out = 0; out < block_.width; ++out) {
+    double* const sums = sums_.data() + size_t{out} * bands_;
+    for (const uint32_t end = std::min(src_width_, x + factor_); x < end; ++x) {
+      if (!valid[x]) continue;
+      ++counts_[out];
+      for (uint32_t b = 0; b < bands_; ++b) sums[b] += static_cast<double>(values[size_t{x} * bands_ + b]);
+    }
   }
   if (++rows_ == factor_) flush();
 }
