@@ -102,7 +102,7 @@ CLI::Option* add_repeated(CLI::App& command, const std::string& flags, std::vect
 
 void SceneOptions::add_text(CLI::App& command, const std::string& flag, const std::string& placeholder,
                             const std::string& help) {
-  options_[flag] = command.add_option(flag, text_[flag], help)->type_name(placeholder);
+  options_[flag] = command.add_option(flag, text_[flag], help)->type_name(placeholder)->take_last();
 }
 
 size_t SceneOptions::count(const std::string& flag) const { return options_.at(flag)->count(); }

@@ -42,7 +42,7 @@ void describe(FieldVisitor& v, CameraParams& p) {
          &p.lat_deg);
   v.leaf({.name = "lon_deg", .doc = "longitude, east positive", .unit = "deg", .range = closed(-180, 360)}, &p.lon_deg);
   v.leaf({.name = "height_m",
-          .doc = "height above the WGS84 ellipsoid; null: see agl_m",
+          .doc = "height above the WGS84 ellipsoid, instead of agl_m",
           .unit = "m",
           .range = kHeights,
           .term = "ellipsoidal height"},

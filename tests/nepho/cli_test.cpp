@@ -142,6 +142,10 @@ TEST_CASE("every option of one number or name sets its parameter") {
   CHECK_FALSE(scene_of({"--exposure", "auto"}).render.exposure_ev100.has_value());
 }
 
+TEST_CASE("of an option given twice the last one counts") {
+  CHECK(scene_of({"--size", "1x1", "--size", "4x3"}).render.width == 4);
+}
+
 TEST_CASE("negative numbers parse as values of options") {
   const Scene scene = scene_of({"--at", "-33.8,151.2", "--look-at", "-33.9,-151.2"});
   CHECK(scene.camera.lat_deg == -33.8);

@@ -2,10 +2,11 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
+#include <filesystem>
 
 #include "base/error.h"
 #include "base/files.h"
+#include "scene/scene_json.h"
 #include "scene/scene_schema.h"
 #include "scene/scene_validate.h"
 
@@ -36,6 +37,20 @@ TEST_CASE("an unknown place is a usage error that names the nearest one and all 
     CHECK(e.kind() == ErrorKind::usage);
     CHECK(std::string(e.what()).starts_with("--place: 'fugi' is unknown; did you mean 'fuji'? known: fuji, tokyo, "));
   }
+}
+
+TEST_CASE("the scenes of data/scenes and the example of docs/scene.md load") {
+  size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(data_dir() / "scenes")) {
+    CAPTURE(entry.path());
+    CHECK_NOTHROW(load_scene(entry.path()));
+    ++count;
+  }
+  CHECK(count >= 2);
+  const std::string page = read_text_file("docs/scene.md");
+  const size_t begin = page.find("```json\n") + 8;
+  const Scene scene = scene_from_json(page.substr(begin, page.find("```", begin) - begin), "docs/scene.md");
+  CHECK(scene.camera.look_at->height_m == 3700.0);
 }
 
 TEST_CASE("docs/scene.schema.json is what ./nepho schema prints") {

@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# Facts about the program itself: exit statuses, one line on standard error, no partial files.
+# Usage: program_test.sh PATH-OF-NEPHO
+set -euo pipefail
+nepho=$1
+work=$(mktemp -d)
+trap 'rm -rf -- "$work"' EXIT
+cd "$work"
+failures=0
+export NEPHO_CACHE=$work/cache
+
+# fails STATUS "text that the message has" arguments...: one line on standard error, nothing else, no picture
+fails() {
+  local wanted=$1 text=$2 status=0
+  shift 2
+  "$nepho" "$@" >out 2>err </dev/null || status=$?
+  if [[ $status == "$wanted" && $(wc -l <err) == 1 && $(<err) == *"$text"* && ! -s out && -z $(compgen -G '*picture*') ]]; then
+    echo "ok: $wanted: $(<err)"
+  else
+    echo "FAILED: nepho $*: status $status, not $wanted with one line that has '$text'; standard error:"
+    cat err
+    ls
+    failures=$((failures + 1))
+  fi
+}
+fails_render() { fails "$1" "$2" render --size 64x36 -o picture.exr -o picture.png "${@:3}"; }
+
+echo '{"clouds": {"coverage": 0.4,}}' >broken.json
+echo '{"clouds": {"covrage": 0.4}}' >unknown_key.json
+printf 'P5 4 3 255\n123456789012' >no_georeference.pgm
+printf 'ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\nnodata_value -1\n1 2\n3 4\n' >plain.asc
+echo 'LOCAL_CS["nowhere"]' >plain.prj
+head -c 100 /dev/urandom >noise.tif
+
+fails 2 'a command is missing'
+fails 2 "did you mean 'render'" rendre
+fails 2 'tour: not supported yet' tour a.kml -o picture.mp4
+fails_render 2 '91' --at 91,0
+fails_render 2 '--size: width: 0' --size 0x0
+fails_render 2 '16384' --size 100000x100000
+fails_render 2 "did you mean 'fuji'" --place fugi
+fails_render 2 "did you mean '--coverage'" --covrage 0.4
+fails_render 2 'not supported yet' --weather x.grib2
+fails_render 2 "--aov: 'dept'" --aov dept
+fails 2 '.exr or .png' render -o picture.jpg
+fails_render 3 'no such file' missing.json
+fails_render 3 'line 1, column' broken.json
+fails_render 3 "did you mean 'coverage'" unknown_key.json
+fails_render 3 'missing.tif: no such file' --terrain missing.tif
+fails_render 3 'noise.tif' --terrain noise.tif
+fails_render 3 'no_georeference.pgm' --terrain no_georeference.pgm
+fails_render 3 'no_georeference.pgm' --imagery no_georeference.pgm
+fails_render 3 'plain.asc' --terrain plain.asc
+VK_ICD_FILENAMES=/nonexistent VK_DRIVER_FILES=/nonexistent fails_render 4 'Vulkan'
+fails_render 4 'no-such-device' --device no-such-device
+fails 5 'cannot be written' render -o /nonexistent/picture.png
+mkdir folder.png
+fails 5 'is a folder' render -o folder.png
+fails 2 'no_such_kind' probe no_such_kind
+
+"$nepho" info --json >out 2>err
+if ! grep -q '"geostationary"' out || [[ -s err ]]; then
+  echo "FAILED: info --json"
+  failures=$((failures + 1))
+fi
+
+echo "$failures failed"
+((failures == 0))
