@@ -20,11 +20,14 @@ namespace {
 
 constexpr size_t kHeaderBytes = 40;  // south, west, lat step, lon step: double; rows, columns: int32; all big-endian
 
-template <typename To, typename Bits>
-To big_endian(const char* bytes) {
-  Bits bits = 0;
-  for (size_t i = 0; i < sizeof(Bits); ++i) bits = static_cast<Bits>(bits << 8) | static_cast<unsigned char>(bytes[i]);
-  return std::bit_cast<To>(bits);
+// Spelt out so that compilers make it one load and one byte swap: a million values are read at start-up.
+uint32_t big_endian_u32(const char* bytes) {
+  const auto byte = [bytes](int i) { return static_cast<uint32_t>(static_cast<unsigned char>(bytes[i])); };
+  return byte(0) << 24 | byte(1) << 16 | byte(2) << 8 | byte(3);
+}
+
+double big_endian_double(const char* bytes) {
+  return std::bit_cast<double>(uint64_t{big_endian_u32(bytes)} << 32 | big_endian_u32(bytes + 4));
 }
 
 std::array<double, 4> catmull_rom(double t) {
@@ -81,12 +84,12 @@ std::string Geoid::read(const std::filesystem::path& gtx_file) {
   if (!file) return "cannot be read";
   std::array<char, kHeaderBytes> header{};
   if (!file.read(header.data(), header.size())) return "not a GTX grid: shorter than its header";
-  south_deg_ = big_endian<double, uint64_t>(header.data());
-  west_deg_ = big_endian<double, uint64_t>(header.data() + 8);
-  step_lat_deg_ = big_endian<double, uint64_t>(header.data() + 16);
-  step_lon_deg_ = big_endian<double, uint64_t>(header.data() + 24);
-  rows_ = big_endian<int32_t, uint32_t>(header.data() + 32);
-  columns_ = big_endian<int32_t, uint32_t>(header.data() + 36);
+  south_deg_ = big_endian_double(header.data());
+  west_deg_ = big_endian_double(header.data() + 8);
+  step_lat_deg_ = big_endian_double(header.data() + 16);
+  step_lon_deg_ = big_endian_double(header.data() + 24);
+  rows_ = static_cast<int32_t>(big_endian_u32(header.data() + 32));
+  columns_ = static_cast<int32_t>(big_endian_u32(header.data() + 36));
   const bool sane = rows_ >= 2 && columns_ >= 4 && rows_ <= 20000 && columns_ <= 40000 && columns_ % 2 == 0;
   const bool global = sane && std::abs(south_deg_ + 90.0) < 1e-9 && std::abs(west_deg_) <= 360.0 &&
                       std::abs(static_cast<double>(rows_ - 1) * step_lat_deg_ - 180.0) < 1e-6 &&
@@ -100,10 +103,12 @@ std::string Geoid::read(const std::filesystem::path& gtx_file) {
   std::vector<float> values(count);
   if (!file.read(reinterpret_cast<char*>(values.data()), static_cast<std::streamsize>(4 * count)))
     return "cannot be read to its end";
+  bool all_good = true;
   for (float& v : values) {
-    v = big_endian<float, uint32_t>(reinterpret_cast<const char*>(&v));
-    if (!(std::abs(v) < 1000.0f)) return "holds values that are no undulations";
+    v = std::bit_cast<float>(big_endian_u32(reinterpret_cast<const char*>(&v)));
+    all_good &= std::abs(v) < 1000.0f;  // false for NaN
   }
+  if (!all_good) return "holds values that are no undulations";
   values_m_ = std::move(values);
   return {};
 }
