@@ -1,0 +1,62 @@
+// Layouts and index arithmetic of the terrain passes (docs/terrain.md).
+#ifndef NEPHO_TERRAIN_SHARED_H
+#define NEPHO_TERRAIN_SHARED_H
+#include "common/shared.h"
+SHARED_BEGIN
+
+SHARED_CONST uint kTerrainQuads = 64u;                       // per side of a tile
+SHARED_CONST uint kTerrainVertices = 65u * 65u + 2u * 64u;   // grid, then the coarser ring
+SHARED_CONST uint kTerrainImageryTexels = 256u;              // per side, border included
+SHARED_CONST uint kTerrainSlopeTexels = 128u;
+SHARED_CONST uint kTerrainBorderTexels = 4u;                 // beyond the tile on each side, at mip 0
+SHARED_CONST uint kTerrainImageryMips = 4u;
+SHARED_CONST uint kTerrainSlopeMips = 3u;
+
+// One tile to be drawn.
+struct TerrainTile {
+  uint slot;         // layer of the atlases, and place in the vertex buffer
+  uint edges;        // kEdge... and kCorner... bits of src/terrain/tile_mesh.h: borders that take the coarser level's heights
+  float texel_m;     // size of an imagery texel, m
+  float pad0;
+  vec2 map_origin;   // north-west corner on the world map: u = (lon + 180) / 360, v = (90 - lat) / 180
+  vec2 map_size;     // of the tile, in the same units
+};
+
+struct TerrainRasterPush {
+  vec3 camera_hi_m;  // ECEF position of the camera in two floats
+  vec3 camera_lo_m;
+};
+
+// Vertex that is drawn at a grid place (index = row * 65 + column): its own, or the ring's where the border is coarser.
+// Only even border places have one in the ring; the others are not in the index buffer of a coarser edge.
+SHARED_FN uint terrain_vertex(uint index, uint edges) {
+  uint n = kTerrainQuads;
+  uint column = index % (n + 1u);
+  uint row = index / (n + 1u);
+  bool west = column == 0u;
+  bool east = column == n;
+  bool north = row == 0u;
+  bool south = row == n;
+  if (!(west || east || north || south) || edges == 0u) return index;
+  uint bit;
+  if (north) bit = west ? 16u : (east ? 32u : 1u);
+  else if (south) bit = west ? 128u : (east ? 64u : 4u);
+  else bit = east ? 2u : 8u;
+  if ((edges & bit) == 0u) return index;
+  uint ring;
+  if (north && !east) ring = column / 2u;
+  else if (east && !south) ring = n / 2u + row / 2u;
+  else if (south && !west) ring = n + (n - column) / 2u;
+  else ring = 3u * n / 2u + (n - row) / 2u;
+  return (n + 1u) * (n + 1u) + ring;
+}
+
+// Atlas coordinate of a place on a tile (uv 0..1 from its north-west corner).
+SHARED_FN float terrain_atlas_coordinate(float uv, uint texels) {
+  float border = float(kTerrainBorderTexels);
+  float inner = float(texels) - 2.0f * border;
+  return (border + uv * inner) / float(texels);
+}
+
+SHARED_END
+#endif

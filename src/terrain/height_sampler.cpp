@@ -1,0 +1,251 @@
+#include "terrain/height_sampler.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "geo/geodetic.h"
+#include "terrain/raster_window.h"
+
+namespace nepho {
+
+namespace {
+
+constexpr double kMetresPerDegree = 6371008.8 * std::numbers::pi / 180.0;
+
+/// Bilinear values of one raster; weight is the bilinear share of valid pixels, values are of the valid ones alone.
+/// Returns false when no place has any data.
+bool sample_layer(const BlockCache& raster, std::span<const double> lat_deg, std::span<const double> lon_deg,
+                  uint32_t reduction, std::vector<double>& value, std::vector<float>& weight) {
+  const RasterAxis x = columns_at(raster, reduction, lon_deg);
+  if (!x.any_inside) return false;
+  const RasterAxis y = rows_at(raster, reduction, lat_deg);
+  if (!y.any_inside) return false;
+  RasterWindow w;
+  gather(raster, reduction, x, y, w);
+  if (w.none_valid) return false;
+  const size_t columns = lon_deg.size();
+  value.resize(columns * lat_deg.size());
+  weight.resize(value.size());
+  for (size_t j = 0; j < lat_deg.size(); ++j) {
+    const RasterAxis::Tap ty = y.taps[j];
+    const float* row_a = &w.values[size_t{ty.a} * w.columns];
+    const float* row_b = &w.values[size_t{ty.b} * w.columns];
+    const uint8_t* valid_a = &w.valid[size_t{ty.a} * w.columns];
+    const uint8_t* valid_b = &w.valid[size_t{ty.b} * w.columns];
+    for (size_t i = 0; i < columns; ++i) {
+      const RasterAxis::Tap tx = x.taps[i];
+      const size_t out = j * columns + i;
+      if (w.all_valid || (valid_a[tx.a] && valid_a[tx.b] && valid_b[tx.a] && valid_b[tx.b])) {
+        const double top = static_cast<double>(row_a[tx.a]) * (1.0 - tx.f) + static_cast<double>(row_a[tx.b]) * tx.f;
+        const double low = static_cast<double>(row_b[tx.a]) * (1.0 - tx.f) + static_cast<double>(row_b[tx.b]) * tx.f;
+        value[out] = top * (1.0 - ty.f) + low * ty.f;
+        weight[out] = 1.0f;
+        continue;
+      }
+      const double waa = valid_a[tx.a] ? (1.0 - tx.f) * (1.0 - ty.f) : 0.0;
+      const double wab = valid_a[tx.b] ? tx.f * (1.0 - ty.f) : 0.0;
+      const double wba = valid_b[tx.a] ? (1.0 - tx.f) * ty.f : 0.0;
+      const double wbb = valid_b[tx.b] ? tx.f * ty.f : 0.0;
+      const double sum = waa + wab + wba + wbb;
+      weight[out] = static_cast<float>(sum);
+      value[out] = sum > 0.0 ? (waa * static_cast<double>(row_a[tx.a]) + wab * static_cast<double>(row_a[tx.b]) +
+                                wba * static_cast<double>(row_b[tx.a]) + wbb * static_cast<double>(row_b[tx.b])) /
+                                   sum
+                             : 0.0;
+    }
+  }
+  return true;
+}
+
+bool overlaps(const LonLatBounds& b, const TileBounds& t) {
+  if (t.south_deg >= b.north_deg || t.north_deg <= b.south_deg) return false;
+  for (const double shift : {-360.0, 0.0, 360.0})
+    if (t.west_deg + shift < b.east_deg && t.east_deg + shift > b.west_deg) return true;
+  return false;
+}
+
+}  // namespace
+
+double canonical_lon_deg(double lon_deg) {
+  if (lon_deg >= -180.0 && lon_deg < 180.0) return lon_deg;
+  return lon_deg - 360.0 * std::floor((lon_deg + 180.0) / 360.0);
+}
+
+HeightSampler::HeightSampler(std::vector<std::shared_ptr<Raster>> elevation, bool has_default,
+                             std::shared_ptr<const Geoid> geoid)
+    : has_default_(has_default && !elevation.empty()), geoid_(std::move(geoid)) {
+  for (auto& raster : elevation) {
+    if (raster->info().vertical == VerticalDatum::ellipsoid) needs_undulation_ = true;
+    layers_.push_back(std::make_unique<BlockCache>(std::move(raster)));
+  }
+  deepest_land_m_ = find_deepest_land_m();
+}
+
+double HeightSampler::find_deepest_land_m() const {
+  // The default data's land is never below the geoid; the geoid is at most 107 m below the ellipsoid.
+  double lowest = 0.0;
+  for (size_t i = has_default_ ? 1 : 0; i < layers_.size(); ++i) {
+    const BlockCache& raster = *layers_[i];
+    uint32_t k = 0;
+    while (std::max(raster.width_at(k), raster.height_at(k)) > Raster::kBlockSize) ++k;
+    const auto block = raster.block(k, 0, 0);
+    for (size_t p = 0; p < block->data.valid.size(); ++p)
+      if (block->data.valid[p]) lowest = std::min(lowest, static_cast<double>(block->data.values[p]));
+  }
+  return 300.0 - 1.5 * lowest;
+}
+
+double HeightSampler::undulation_m(double lat_deg, double lon_deg) const {
+  return geoid_ ? geoid_->undulation_m(rad_from_deg(lat_deg), rad_from_deg(lon_deg)) : 0.0;
+}
+
+void HeightSampler::sample_stack(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
+                                 const double* undulation, Field& out) const {
+  const size_t count = lat_deg.size() * lon_deg.size();
+  out.stack_msl.assign(count, 0.0);
+  out.stack_weight.assign(count, 0.0f);
+  if (undulation)
+    for (size_t i = 0; i < count; ++i) out.stack_msl[i] = -undulation[i];
+  out.default_msl.clear();
+  std::vector<double> value;
+  std::vector<float> weight;
+  for (size_t l = 0; l < layers_.size(); ++l) {
+    const BlockCache& raster = *layers_[l];
+    const bool is_default = l == 0 && has_default_;
+    if (is_default) out.default_msl.assign(count, -std::numeric_limits<double>::infinity());
+    if (!sample_layer(raster, lat_deg, lon_deg, raster.reduction_for(spacing_deg), value, weight)) continue;
+    const bool ellipsoidal = raster.info().vertical == VerticalDatum::ellipsoid;
+    for (size_t i = 0; i < count; ++i) {
+      if (weight[i] <= 0.0f) continue;
+      const double v = ellipsoidal && undulation ? value[i] - undulation[i] : value[i];
+      if (weight[i] >= 1.0f) {
+        out.stack_msl[i] = v;
+        out.stack_weight[i] = 1.0f;
+      } else {
+        const auto w = static_cast<double>(weight[i]);
+        out.stack_msl[i] = out.stack_msl[i] * (1.0 - w) + v * w;
+        out.stack_weight[i] = std::max(out.stack_weight[i], weight[i]);
+      }
+    }
+    if (is_default)
+      for (size_t i = 0; i < count; ++i)
+        if (weight[i] > 0.0f) out.default_msl[i] = value[i];
+  }
+}
+
+void HeightSampler::heights_m(std::span<const double> lat_deg, std::span<const double> lon_deg, uint32_t level,
+                              double* out) const {
+  const size_t columns = lon_deg.size(), count = columns * lat_deg.size();
+  std::vector<double> lon(columns);
+  for (size_t i = 0; i < columns; ++i) lon[i] = canonical_lon_deg(lon_deg[i]);
+  const std::vector<double> undulation = undulations_m(lat_deg, lon);
+  Field field;
+  sample_stack(lat_deg, lon, vertex_spacing_deg(level), undulation.data(), field);
+  for (size_t i = 0; i < count; ++i) {
+    // -N + N is exactly 0: the plain ellipsoid.
+    out[i] = (is_sea(field, i) ? 0.0 : field.stack_msl[i]) + undulation[i];
+  }
+  for (size_t j = 0; j < lat_deg.size(); ++j) {
+    if (std::abs(lat_deg[j]) < 90.0 || (columns == 1 && lon[0] == -180.0 && level == kMaxTileLevel)) continue;
+    const double west[] = {-180.0}, pole[] = {lat_deg[j]};
+    double h = 0.0;
+    heights_m(pole, west, kMaxTileLevel, &h);
+    std::fill_n(out + j * columns, columns, h);
+  }
+}
+
+std::vector<double> HeightSampler::undulations_m(std::span<const double> lat_deg,
+                                                 std::span<const double> lon_deg) const {
+  std::vector<double> out(lat_deg.size() * lon_deg.size());
+  for (size_t j = 0; j < lat_deg.size(); ++j)
+    for (size_t i = 0; i < lon_deg.size(); ++i) out[j * lon_deg.size() + i] = undulation_m(lat_deg[j], lon_deg[i]);
+  return out;
+}
+
+bool HeightSampler::is_sea(const Field& field, size_t place) const {
+  return field.stack_msl[place] <= 0.0 && field.stack_weight[place] >= 0.5f &&
+         (!has_default_ || field.default_msl[place] <= 0.0);
+}
+
+void HeightSampler::drawn_msl_m(std::span<const double> lat_deg, std::span<const double> lon_deg, uint32_t level,
+                                double* out) const {
+  std::vector<double> undulation;
+  if (needs_undulation_) undulation = undulations_m(lat_deg, lon_deg);
+  Field field;
+  sample_stack(lat_deg, lon_deg, vertex_spacing_deg(level), needs_undulation_ ? undulation.data() : nullptr, field);
+  for (size_t i = 0; i < field.stack_msl.size(); ++i) out[i] = is_sea(field, i) ? 0.0 : field.stack_msl[i];
+}
+
+double HeightSampler::height_m(double lat_rad, double lon_rad, uint32_t level) const {
+  const double lat[] = {deg_from_rad(lat_rad)}, lon[] = {deg_from_rad(lon_rad)};
+  double h = 0.0;
+  heights_m(lat, lon, level, &h);
+  return h;
+}
+
+void HeightSampler::land_field_m(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
+                                 float* out) const {
+  const size_t columns = lon_deg.size(), count = columns * lat_deg.size();
+  std::vector<double> undulation;
+  if (needs_undulation_) undulation = undulations_m(lat_deg, lon_deg);
+  Field field;
+  sample_stack(lat_deg, lon_deg, spacing_deg, needs_undulation_ ? undulation.data() : nullptr, field);
+  for (size_t i = 0; i < count; ++i) {
+    double land = field.stack_msl[i];
+    if (has_default_) land = std::max(land, field.default_msl[i]);
+    if (field.stack_weight[i] < 0.5f) land = 1000.0;
+    out[i] = static_cast<float>(land);
+  }
+}
+
+void HeightSampler::slopes(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
+                           Slope* out) const {
+  const size_t columns = lon_deg.size(), rows = lat_deg.size(), count = columns * rows;
+  std::fill_n(out, count, Slope{});
+  std::vector<double> east, west, north, south, lon_e(columns), lon_w(columns), lat_n(rows), lat_s(rows);
+  std::vector<float> we, ww, wn, ws;
+  for (const auto& layer : layers_) {
+    const uint32_t k = layer->reduction_for(spacing_deg);
+    const double half = 0.5 * std::max(spacing_deg, layer->pixel_deg());
+    for (size_t i = 0; i < columns; ++i) {
+      lon_e[i] = lon_deg[i] + half;
+      lon_w[i] = lon_deg[i] - half;
+    }
+    for (size_t j = 0; j < rows; ++j) {
+      lat_n[j] = std::min(90.0, lat_deg[j] + half);
+      lat_s[j] = std::max(-90.0, lat_deg[j] - half);
+    }
+    if (!sample_layer(*layer, lat_deg, lon_e, k, east, we) || !sample_layer(*layer, lat_deg, lon_w, k, west, ww) ||
+        !sample_layer(*layer, lat_n, lon_deg, k, north, wn) || !sample_layer(*layer, lat_s, lon_deg, k, south, ws))
+      continue;
+    for (size_t j = 0; j < rows; ++j) {
+      // Near a pole a step in longitude is hardly a step at all: damped there, or noise would stand upright.
+      const double cos_lat = std::max(std::cos(rad_from_deg(lat_deg[j])), 0.05);
+      const double per_m_east = 1.0 / (2.0 * half * kMetresPerDegree * cos_lat);
+      const double per_m_north = 1.0 / ((lat_n[j] - lat_s[j]) * kMetresPerDegree);
+      for (size_t i = 0; i < columns; ++i) {
+        const size_t p = j * columns + i;
+        const float w = std::min(std::min(we[p], ww[p]), std::min(wn[p], ws[p]));
+        if (w <= 0.0f) continue;
+        out[p].east += w * (static_cast<float>((east[p] - west[p]) * per_m_east) - out[p].east);
+        out[p].north += w * (static_cast<float>((north[p] - south[p]) * per_m_north) - out[p].north);
+      }
+    }
+  }
+}
+
+double HeightSampler::finest_pixel_deg(const TileBounds& tile) const {
+  double finest = std::numeric_limits<double>::infinity();
+  for (const auto& layer : layers_)
+    if (overlaps(layer->info().bounds, tile)) finest = std::min(finest, layer->pixel_deg());
+  return finest;
+}
+
+uint64_t HeightSampler::blocks_read() const {
+  uint64_t n = 0;
+  for (const auto& layer : layers_) n += layer->blocks_read();
+  return n;
+}
+
+}  // namespace nepho

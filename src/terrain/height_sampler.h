@@ -1,0 +1,86 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "geo/geoid.h"
+#include "geo/lonlat_tiles.h"
+#include "io/raster.h"
+#include "terrain/block_cache.h"
+
+namespace nepho {
+
+/// Quads per side of a tile's mesh.
+inline constexpr uint32_t kTileQuads = 64;
+
+/// Distance of two mesh vertices at a level, degrees; exact in double.
+constexpr double vertex_spacing_deg(uint32_t level) { return tile_size_deg(level) / kTileQuads; }
+
+/// East and north derivative of the ground's height, m per m.
+struct Slope {
+  float east = 0.0f, north = 0.0f;
+};
+
+/// Heights of the drawn surface from a stack of elevation rasters. Deterministic: a place and a level give the same
+/// bits whichever grid it is part of and whatever was asked before. Thread-safe.
+///
+/// Rasters lie over each other, the bottom one over the plain ellipsoid; where a raster has no data, and half a pixel
+/// beyond its last one, what lies below shows, blended by the bilinear weight of the valid pixels. Heights above EGM96
+/// get the geoid's undulation. Sea is where both the default data and the stack are at or below 0: there the surface is
+/// the geoid. Without default data the stack decides alone.
+class HeightSampler {
+ public:
+  HeightSampler(std::vector<std::shared_ptr<Raster>> elevation, bool has_default, std::shared_ptr<const Geoid> geoid);
+
+  /// Height above the ellipsoid, m, with the rasters reduced to suit the vertices of `level`.
+  double height_m(double lat_rad, double lon_rad, uint32_t level) const;
+  /// The same at every place of a grid, row by row: out[row * lon_deg.size() + column]. At the poles all longitudes and
+  /// levels give one height.
+  void heights_m(std::span<const double> lat_deg, std::span<const double> lon_deg, uint32_t level, double* out) const;
+
+  /// Heights of the drawn surface above the geoid: 0 on the sea. Above the ellipsoid where no raster has data or the
+  /// geoid is missing. Cheaper than heights_m(); poles are not treated.
+  void drawn_msl_m(std::span<const double> lat_deg, std::span<const double> lon_deg, uint32_t level, double* out) const;
+
+  /// Positive on land, at most 0 on the sea, continuous: the higher of the default data and the stack, m above the
+  /// geoid. Everything is land where no raster has data.
+  void land_field_m(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
+                    float* out) const;
+
+  /// Slope of the ground (the sea bed included), smoothed over one pixel of the raster it comes from, so that it is
+  /// continuous although the heights are bilinear.
+  void slopes(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg, Slope* out) const;
+
+  /// Geoid above the ellipsoid, m; 0 without a geoid.
+  double undulation_m(double lat_deg, double lon_deg) const;
+  /// Pixel size in degrees of the finest raster that overlaps a tile; empty stack: infinity.
+  double finest_pixel_deg(const TileBounds& tile) const;
+  /// How far below the ellipsoid land may lie, m: a guess from the rasters' coarsest reductions with a wide margin.
+  double deepest_land_m() const { return deepest_land_m_; }
+  const BlockCache* default_data() const { return has_default_ ? layers_.front().get() : nullptr; }
+  uint64_t blocks_read() const;
+
+ private:
+  struct Field {
+    std::vector<double> stack_msl;    // NaN never: plain ellipsoid is -undulation
+    std::vector<double> default_msl;  // has_default only
+    std::vector<float> stack_weight;  // share of the place that any raster covers
+  };
+  void sample_stack(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
+                    const double* undulation_m, Field& out) const;
+  std::vector<double> undulations_m(std::span<const double> lat_deg, std::span<const double> lon_deg) const;
+  bool is_sea(const Field& field, size_t place) const;
+  double find_deepest_land_m() const;
+
+  std::vector<std::unique_ptr<BlockCache>> layers_;  // bottom first
+  bool has_default_ = false;
+  std::shared_ptr<const Geoid> geoid_;
+  bool needs_undulation_ = false;  // some raster is above the ellipsoid
+  double deepest_land_m_ = 500.0;
+};
+
+/// A longitude in [-180, 180): the two sides of the antimeridian are one place.
+double canonical_lon_deg(double lon_deg);
+
+}  // namespace nepho

@@ -1,0 +1,44 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "geo/lonlat_tiles.h"
+#include "io/raster.h"
+#include "terrain/block_cache.h"
+#include "terrain/height_sampler.h"
+
+namespace nepho {
+
+/// How much of a grid a raster covers.
+enum class RasterCoverage { none, some, all };
+
+/// Lays one raster over `rgbx` (four floats a place, the fourth left alone) by the bilinear weight of its valid pixels.
+RasterCoverage lay_over(const BlockCache& raster, uint32_t reduction, std::span<const double> lat_deg,
+                        std::span<const double> lon_deg, float* rgbx);
+
+/// Colours from a stack of imagery rasters, bottom first; no data shows what lies below, and below everything is an
+/// even grey of albedo 0.2.
+///
+/// The bottom raster, where it spans the globe, knows no coast finer than its own texels: its ocean colours would rim
+/// the land. Its texels that lie in the sea are therefore left out, and land texels near them take the mean of land
+/// texels further around (from coarser reductions, until one has land).
+class ImagerySampler {
+ public:
+  /// `ground` says what is sea; it must outlive this object.
+  ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, const HeightSampler& ground);
+
+  /// sRGB colours, 0..255, four floats a place (the fourth is unused), row by row.
+  void colours(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg, float* rgbx) const;
+  /// Pixel size in degrees of the finest raster that overlaps a tile; infinity without any.
+  double finest_pixel_deg(const TileBounds& tile) const;
+  uint64_t blocks_read() const;
+
+ private:
+  const HeightSampler& ground_;
+  std::vector<std::unique_ptr<BlockCache>> layers_;
+  std::unique_ptr<BlockCache> land_only_;  // the bottom raster without its sea
+};
+
+}  // namespace nepho

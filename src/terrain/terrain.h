@@ -1,0 +1,98 @@
+#pragma once
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "geo/geoid.h"
+#include "gpu/device.h"
+#include "gpu/frame_graph.h"
+#include "gpu/frame_info.h"
+#include "gpu/pipeline.h"
+#include "io/raster.h"
+#include "scene/scene.h"
+#include "terrain/height_sampler.h"
+#include "terrain/imagery_sampler.h"
+#include "terrain/tile_builder.h"
+#include "terrain/tile_mesh.h"
+#include "terrain/tile_select.h"
+
+namespace nepho {
+
+/// Rasters that the ground is made of. All may be empty: the plain ellipsoid in even grey.
+struct TerrainSources {
+  std::vector<std::shared_ptr<Raster>> elevation;  ///< bottom first
+  bool has_default = false;                        ///< elevation[0] is the default Earth, which says what is sea
+  std::vector<std::shared_ptr<Raster>> imagery;    ///< bottom first
+  std::shared_ptr<Raster> night_lights;            ///< city lights on black; may be null
+  std::shared_ptr<const Geoid> geoid;              ///< null: mean sea level is the ellipsoid
+};
+
+/// The ground: a quadtree of latitude/longitude tiles over the ellipsoid (docs/terrain.md). Loads what a view needs,
+/// draws it into a small G-buffer, and resolves that into images for shading. Keeps tiles from frame to frame.
+class Terrain {
+ public:
+  Terrain(gpu::Device& device, TerrainSources sources, const TerrainParams& params);
+  ~Terrain();
+
+  /// Height of the drawn surface above the ellipsoid at full detail, m. Thread-safe.
+  double ground_height_m(double lat_rad, double lon_rad) const;
+
+  /// Selects the tiles of a view, loads and uploads what is missing; all is there when it returns. Call before add()
+  /// with the same frame.
+  void prepare(const FrameInfo& frame);
+
+  struct Outputs {
+    ImageRef depth_m;   ///< r32f: distance along the pixel's ray, m; 1e10 for the sky
+    ImageRef albedo;    ///< rgba16f: linear Rec. 709; a: 0 sky, 1 land, 2 water (whose rgb is 0)
+    ImageRef normal;    ///< rgba16f: unit normal, ECEF axes; of water the geodetic normal, of the sky 0
+    ImageRef emission;  ///< rgba16f: night lights, linear, 1 the brightest; black without any
+  };
+  /// Draws what prepare() selected: passes "terrain.raster" and "terrain.resolve".
+  Outputs add(FrameGraph& graph, const FrameInfo& frame) const;
+
+  struct Stats {
+    uint32_t tiles_drawn = 0, tiles_loaded = 0;  ///< of the last prepare()
+    uint64_t triangles = 0;
+    uint32_t deepest_level = 0;
+    double select_ms = 0.0, build_ms = 0.0, upload_ms = 0.0;
+    double screen_error_px = 0.0;  ///< larger than asked for when the view did not fit
+    uint64_t blocks_read = 0;      ///< raster blocks, since the start
+    uint64_t gpu_bytes = 0;
+  };
+  const Stats& stats() const { return stats_; }
+  const std::vector<SelectedTile>& selected() const { return selected_; }
+  const HeightSampler& heights() const { return ground_; }
+
+ private:
+  struct Slot {
+    TileId tile;
+    bool used = false;
+    uint64_t last_frame = 0;
+  };
+  void make_atlases(uint32_t slots);
+  void load_night_lights(const std::shared_ptr<Raster>& raster);
+  void load(const std::vector<TileId>& missing);
+  uint32_t take_slot(const TileId& tile);
+
+  gpu::Device& device_;
+  TerrainParams params_;
+  HeightSampler ground_;
+  ImagerySampler imagery_;
+  TileBuilder builder_;
+  TileMetaCache metas_;
+
+  gpu::GraphicsPipeline raster_pipeline_;
+  gpu::ComputePipeline resolve_pipeline_;
+  TileTopologies::Range topologies_[16];
+  gpu::Buffer indices_, vertices_;
+  gpu::Image imagery_atlas_, slope_atlas_, night_map_;
+
+  std::vector<Slot> slots_;
+  std::unordered_map<TileId, uint32_t> slot_of_;
+  std::vector<SelectedTile> selected_;
+  uint64_t frame_ = 0;
+  bool warned_too_many_ = false;
+  Stats stats_;
+};
+
+}  // namespace nepho

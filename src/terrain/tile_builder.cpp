@@ -1,0 +1,202 @@
+#include "terrain/tile_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/packing.hpp>
+#include <numbers>
+
+#include "terrain/parallel.h"
+#include "terrain/terrain_shared.h"
+
+namespace nepho {
+
+namespace {
+
+constexpr double kMetresPerDegree = 6371008.8 * std::numbers::pi / 180.0;
+constexpr uint32_t kImageryTexels = shared::kTerrainImageryTexels;
+constexpr uint32_t kSlopeTexels = shared::kTerrainSlopeTexels;
+constexpr uint32_t kBorder = shared::kTerrainBorderTexels;
+
+/// A raster finer than this share of the spacing still has something to tell the next level.
+constexpr double kFiner = 0.75;
+/// Error that is assumed of data finer than the vertices besides what two levels show: metres per metre of spacing.
+constexpr double kUnseenRelief = 0.05;
+/// Largest texel on screen where the source has more detail, px at a screen error of 1 px.
+constexpr double kImageryTexelPx = 1.5, kSlopeTexelPx = 3.0;
+/// Coast lines fade over this many texels to each side in alpha: a distance field that stays sharp when magnified.
+constexpr float kCoastTexels = 4.0f;
+
+double texel_deg(uint32_t level, uint32_t texels) { return tile_size_deg(level) / (texels - 2 * kBorder); }
+
+struct TexelGrid {
+  std::vector<double> lat, lon;
+};
+
+/// Texel centres of an atlas layer, the border beyond the tile included.
+TexelGrid texel_grid(const TileId& tile, uint32_t texels) {
+  const TileBounds b = tile_bounds(tile);
+  const double step = texel_deg(tile.level, texels);
+  TexelGrid g;
+  g.lat.resize(texels);
+  g.lon.resize(texels);
+  for (uint32_t i = 0; i < texels; ++i) {
+    const double offset = (static_cast<double>(i) - kBorder + 0.5) * step;
+    g.lon[i] = b.west_deg + offset;
+    g.lat[i] = std::clamp(b.north_deg - offset, -90.0, 90.0);
+  }
+  return g;
+}
+
+}  // namespace
+
+double imagery_texel_deg(uint32_t level) { return texel_deg(level, kImageryTexels); }
+
+TileMeta TileBuilder::make_meta(const TileId& tile) const {
+  const std::vector<double> lats = vertex_lats_deg(tile), lons = vertex_lons_deg(tile);
+  constexpr size_t n = kTileVerticesPerSide, fine_n = 2 * kTileQuads + 1;
+  const double spacing = vertex_spacing_deg(tile.level);
+  std::vector<double> fine_lats(fine_n), fine_lons(fine_n);
+  for (size_t i = 0; i < fine_n; ++i) {
+    fine_lats[i] = lats.front() - static_cast<double>(i) * spacing * 0.5;
+    fine_lons[i] = lons.front() + static_cast<double>(i) * spacing * 0.5;
+  }
+  std::vector<double> own(n * n), fine(fine_n * fine_n);
+  ground_.drawn_msl_m(lats, lons, tile.level, own.data());
+  ground_.drawn_msl_m(fine_lats, fine_lons, tile.level + 1, fine.data());
+
+  double lowest = own[0], highest = own[0], deviation = 0.0;
+  for (size_t j = 0; j < fine_n; ++j)
+    for (size_t i = 0; i < fine_n; ++i) {
+      const double f = fine[j * fine_n + i];
+      // The triangles' height there: a vertex, the middle of an edge, or of the north-east to south-west diagonal.
+      const size_t i0 = i / 2, j0 = j / 2, i1 = (i + 1) / 2, j1 = (j + 1) / 2;
+      const double drawn = 0.5 * (own[j0 * n + i1] + own[j1 * n + i0]);
+      lowest = std::min({lowest, f, drawn});
+      highest = std::max({highest, f, drawn});
+      deviation = std::max(deviation, std::abs(f - drawn));
+    }
+
+  const double spacing_m = spacing * kMetresPerDegree;
+  const TileBounds bounds = tile_bounds(tile);
+  const double elevation_pixel = ground_.finest_pixel_deg(bounds), imagery_pixel = imagery_.finest_pixel_deg(bounds);
+  double error = 2.0 * deviation;
+  if (elevation_pixel < kFiner * spacing) error = std::max(error, kUnseenRelief * spacing_m);
+  const double geometric = error;
+  error += 2.0 * spacing_m * spacing_m / (4.0 * ellipsoid_.b_m);  // half a pixel of the whole for the silhouette
+  const double imagery_texel = texel_deg(tile.level, kImageryTexels), slope_texel = texel_deg(tile.level, kSlopeTexels);
+  if (imagery_pixel < kFiner * imagery_texel)
+    error = std::max(error, imagery_texel * kMetresPerDegree / kImageryTexelPx);
+  if (elevation_pixel < kFiner * slope_texel) error = std::max(error, slope_texel * kMetresPerDegree / kSlopeTexelPx);
+
+  double low_n = 1e9, high_n = -1e9;
+  for (size_t j = 0; j < n; j += kTileQuads / 4)
+    for (size_t i = 0; i < n; i += kTileQuads / 4) {
+      const double u = ground_.undulation_m(lats[j], lons[i]);
+      low_n = std::min(low_n, u);
+      high_n = std::max(high_n, u);
+    }
+  const double geoid_margin = std::min(60.0, 1.0 + 10.0 * tile_size_deg(tile.level));
+  TileMeta meta;
+  // Border vertices may be a coarser level's, which are within twice this level's error of it; and data between the
+  // finer vertices may stand out.
+  meta.min_m = lowest + low_n - geoid_margin - 2.0 * geometric;
+  meta.max_m = highest + high_n + geoid_margin + 2.0 * geometric;
+  meta.error_m = error;
+  meta.volume = make_tile_volume(tile, meta.min_m, meta.max_m, ellipsoid_);
+  return meta;
+}
+
+TileData TileBuilder::make_data(const TileId& tile) const {
+  TileData out;
+  std::vector<double> heights(kTileGridVertices);
+  const std::vector<double> lats = vertex_lats_deg(tile), lons = vertex_lons_deg(tile);
+  ground_.heights_m(lats, lons, tile.level, heights.data());
+  out.vertices = tile_vertices(tile, ground_, ellipsoid_, heights);
+  make_imagery(tile, out);
+  make_slopes(tile, out);
+  return out;
+}
+
+void TileBuilder::make_imagery(const TileId& tile, TileData& out) const {
+  constexpr uint32_t n = kImageryTexels;
+  const TexelGrid g = texel_grid(tile, n);
+  const double texel = texel_deg(tile.level, n);
+  std::vector<float> land(n * n);
+  ground_.land_field_m(g.lat, g.lon, texel, land.data());
+  std::vector<uint8_t> rgba(size_t{n} * n * 4, 0);
+  bool any_land = false;
+  for (uint32_t j = 0; j < n; ++j)
+    for (uint32_t i = 0; i < n; ++i) {
+      const float f = land[j * n + i];
+      any_land |= f > 0.0f;
+      const uint32_t i0 = i > 0 ? i - 1 : 0, i1 = std::min(i + 1, n - 1), j0 = j > 0 ? j - 1 : 0,
+                     j1 = std::min(j + 1, n - 1);
+      const float gx = (land[j * n + i1] - land[j * n + i0]) / static_cast<float>(i1 - i0);
+      const float gy = (land[j1 * n + i] - land[j0 * n + i]) / static_cast<float>(j1 - j0);
+      // Distance to the coast in texels, from the height and its gradient; flat water at exactly 0 m is all water.
+      const float gradient = std::max(std::sqrt(gx * gx + gy * gy), 1e-6f);
+      const float water = std::clamp((1e-3f - f) / gradient / kCoastTexels, -1.0f, 1.0f);
+      rgba[(size_t{j} * n + i) * 4 + 3] = static_cast<uint8_t>(f <= 0.0f ? 128.0f + 127.0f * std::max(water, 0.0f)
+                                                                         : 127.0f + 127.0f * std::min(water, 0.0f));
+    }
+  if (any_land) {
+    std::vector<float> colour(size_t{n} * n * 4);
+    imagery_.colours(g.lat, g.lon, texel, colour.data());
+    for (size_t p = 0; p < size_t{n} * n; ++p)
+      for (size_t b = 0; b < 3; ++b)
+        rgba[p * 4 + b] = static_cast<uint8_t>(std::clamp(colour[p * 4 + b], 0.0f, 255.0f) + 0.5f);
+  }
+  out.imagery.push_back(std::move(rgba));
+  for (uint32_t mip = 1; mip < shared::kTerrainImageryMips; ++mip) {
+    const std::vector<uint8_t>& from = out.imagery.back();
+    const uint32_t side = n >> mip, above = side * 2;
+    std::vector<uint8_t> to(size_t{side} * side * 4);
+    for (uint32_t j = 0; j < side; ++j)
+      for (uint32_t i = 0; i < side; ++i) {
+        const size_t at = (size_t{2 * j} * above + 2 * i) * 4, below = at + size_t{above} * 4;
+        for (size_t b = 0; b < 4; ++b)
+          to[(size_t{j} * side + i) * 4 + b] =
+              static_cast<uint8_t>((from[at + b] + from[at + 4 + b] + from[below + b] + from[below + 4 + b] + 2) / 4);
+      }
+    out.imagery.push_back(std::move(to));
+  }
+}
+
+void TileBuilder::make_slopes(const TileId& tile, TileData& out) const {
+  constexpr uint32_t n = kSlopeTexels;
+  const TexelGrid g = texel_grid(tile, n);
+  std::vector<Slope> level(size_t{n} * n);
+  ground_.slopes(g.lat, g.lon, texel_deg(tile.level, n), level.data());
+  for (uint32_t mip = 0; mip < shared::kTerrainSlopeMips; ++mip) {
+    const uint32_t side = n >> mip;
+    std::vector<uint32_t> packed(size_t{side} * side);
+    for (size_t p = 0; p < packed.size(); ++p) packed[p] = glm::packHalf2x16(glm::vec2(level[p].east, level[p].north));
+    out.slopes.push_back(std::move(packed));
+    const uint32_t half = side / 2;
+    for (uint32_t j = 0; j < half; ++j)
+      for (uint32_t i = 0; i < half; ++i) {
+        const Slope &a = level[2 * j * side + 2 * i], &b = level[2 * j * side + 2 * i + 1];
+        const Slope &c = level[(2 * j + 1) * side + 2 * i], &d = level[(2 * j + 1) * side + 2 * i + 1];
+        // In place: the target never lies behind what is still to be read.
+        level[j * half + i] = {0.25f * (a.east + b.east + c.east + d.east),
+                               0.25f * (a.north + b.north + c.north + d.north)};
+      }
+  }
+}
+
+void TileMetaCache::prepare(std::span<const TileId> tiles) {
+  std::vector<TileId> missing;
+  for (const TileId& t : tiles)
+    if (!metas_.contains(t)) missing.push_back(t);
+  std::vector<TileMeta> made(missing.size());
+  parallel_for(missing.size(), [&](size_t i) { made[i] = builder_.make_meta(missing[i]); });
+  for (size_t i = 0; i < missing.size(); ++i) metas_.emplace(missing[i], made[i]);
+}
+
+const TileMeta& TileMetaCache::meta(const TileId& tile) {
+  const auto found = metas_.find(tile);
+  if (found != metas_.end()) return found->second;
+  return metas_.emplace(tile, builder_.make_meta(tile)).first->second;
+}
+
+}  // namespace nepho

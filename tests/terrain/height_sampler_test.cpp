@@ -1,0 +1,181 @@
+#include "terrain/height_sampler.h"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "terrain/imagery_sampler.h"
+#include "terrain_fixture.h"
+
+using namespace nepho;
+using namespace nepho::test;
+
+namespace {
+double height_deg(const HeightSampler& s, double lat, double lon, uint32_t level = kMaxTileLevel) {
+  return s.height_m(rad_from_deg(lat), rad_from_deg(lon), level);
+}
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+}  // namespace
+
+TEST_CASE("without rasters the surface is the ellipsoid, with or without a geoid") {
+  const HeightSampler plain({}, false, nullptr);
+  CHECK(height_deg(plain, 12.3, 45.6) == 0.0);
+  const HeightSampler with_geoid({}, false, std::make_shared<Geoid>(Geoid::find_egm96()));
+  CHECK(height_deg(with_geoid, 12.3, 45.6) == 0.0);
+}
+
+TEST_CASE("a plane comes back exactly between pixel centres, at the place it was put") {
+  const auto plane = [](double lat, double lon) { return 1000.0 + 64.0 * lat - 32.0 * lon; };
+  const HeightSampler s({raster_of(64, 64, {10.0, 20.0, 12.0, 22.0}, plane)}, false, nullptr);
+  for (const auto& [lat, lon] : {std::pair{21.0, 11.0}, {20.3, 10.7}, {21.97, 11.98}, {20.02, 10.02}})
+    CHECK(height_deg(s, lat, lon) == doctest::Approx(plane(lat, lon)).epsilon(1e-9));
+}
+
+TEST_CASE("coarse levels see the mean of the pixels between their vertices") {
+  // Columns alternate 0 and 200 m; level 0 has vertices 2.8125 degrees apart, 9 of these pixels.
+  const HeightSampler s({raster_of(1152, 576, {},
+                                   [](double, double lon) {
+                                     return std::fmod(std::floor((lon + 180.0) / 0.3125), 2.0) == 0.0 ? 0.5 : 200.5;
+                                   })},
+                        false, nullptr);
+  CHECK(height_deg(s, 0.4, 0.7, 0) == doctest::Approx(100.5));
+  CHECK(height_deg(s, 0.4, 0.15625) == doctest::Approx(0.5));
+  CHECK(height_deg(s, 0.4, 0.46875) == doctest::Approx(200.5));
+}
+
+TEST_CASE("nodata and the outside of a raster show what lies below, blended within a pixel") {
+  const auto below = raster_of(360, 180, {}, [](double, double) { return 100.0; });
+  const auto above = raster_of(16, 16, {0.0, 0.0, 16.0, 16.0}, [](double lat, double lon) {
+    return lat > 8.0 && lat < 9.0 && lon > 8.0 && lon < 9.0 ? kNan : 300.0;
+  });
+  const HeightSampler s({below, above}, false, nullptr);
+  CHECK(height_deg(s, 4.5, 4.5) == 300.0);
+  CHECK(height_deg(s, 8.5, 8.5) == 100.0);
+  CHECK(height_deg(s, 8.5, 9.0) == doctest::Approx(200.0));
+  CHECK(height_deg(s, 4.5, 16.0) == doctest::Approx(200.0));
+  CHECK(height_deg(s, 4.5, 17.0) == 100.0);
+  CHECK(height_deg(s, 4.5, -1.0) == 100.0);
+  CHECK(height_deg(s, 4.5, 0.0) == doctest::Approx(200.0));
+}
+
+TEST_CASE("sea is where the default data and the raster above it are both at or below 0") {
+  const auto constant = [](double v) { return [v](double, double) { return v; }; };
+  const LonLatBounds box{0.0, 0.0, 16.0, 16.0};
+  const auto height = [&](double low, double high, bool has_default) {
+    return height_deg(HeightSampler({raster_of(360, 180, {}, constant(low)), raster_of(16, 16, box, constant(high))},
+                                    has_default, nullptr),
+                      8.0, 8.0);
+  };
+  CHECK(height(-4000.0, -5.0, true) == 0.0);  // sea bed
+  CHECK(height(-4000.0, 7.0, true) == 7.0);   // an island that the default data lacks
+  CHECK(height(12.0, -5.0, true) == -5.0);    // a polder
+  CHECK(height(12.0, -5.0, false) == 0.0);    // no default data: the stack decides
+  CHECK(height(12.0, 5.0, false) == 5.0);
+}
+
+TEST_CASE("the geoid is added to heights above mean sea level, not to ellipsoidal ones") {
+  const auto geoid = std::make_shared<Geoid>(Geoid::find_egm96());
+  if (!geoid->available()) return;
+  const auto value = [](double, double) { return 250.0; };
+  const double n = geoid->undulation_m(rad_from_deg(5.0), rad_from_deg(80.0));
+  CHECK(n < -90.0);  // the deepest dent of the geoid, south of India
+  CHECK(height_deg(HeightSampler({raster_of(360, 180, {}, value)}, true, geoid), 5.0, 80.0) == 250.0 + n);
+  CHECK(height_deg(HeightSampler({raster_of(360, 180, {}, value, VerticalDatum::ellipsoid)}, false, geoid), 5.0,
+                   80.0) == doctest::Approx(250.0).epsilon(1e-13));
+  const auto sea = [](double, double) { return -250.0; };
+  CHECK(height_deg(HeightSampler({raster_of(360, 180, {}, sea)}, true, geoid), 5.0, 80.0) == n);
+}
+
+TEST_CASE("antimeridian and poles are one place each") {
+  // 271 columns: not divisible by any reduction.
+  const HeightSampler s({rough_world(542)}, false, nullptr);
+  for (const uint32_t level : {0u, 3u, 9u}) {
+    CHECK(height_deg(s, 33.0, 180.0, level) == height_deg(s, 33.0, -180.0, level));
+    const double lats[] = {90.0, 45.0, -90.0}, lons[] = {-180.0, -77.0, 0.0, 180.0};
+    double h[12];
+    s.heights_m(lats, lons, level, h);
+    for (int i = 1; i < 4; ++i) {
+      CHECK(h[i] == h[0]);
+      CHECK(h[8 + i] == h[8]);
+    }
+    CHECK(h[0] == height_deg(s, 90.0, 10.0, 17));
+  }
+  // Continuous across the seam: 1e-7 degrees apart, slopes are below 1e5 m per degree.
+  CHECK(height_deg(s, 33.0, 180.0 - 1e-7) == doctest::Approx(height_deg(s, 33.0, -180.0 + 1e-7)).epsilon(1e-4));
+}
+
+TEST_CASE("a place has the same bits whichever grid asks") {
+  const HeightSampler s(
+      {rough_world(), raster_of(300, 300, {0.0, 0.0, 3.0, 3.0},
+                                [](double lat, double lon) {
+                                  return lat > 1.0 && lat < 1.1 ? kNan : 1000.0 + 500.0 * std::sin(40.0 * lon);
+                                })},
+      true, nullptr);
+  std::vector<double> lats, lons;
+  for (int i = 0; i <= 64; ++i) {
+    lats.push_back(3.2 - i * 0.05);
+    lons.push_back(-0.1 + i * 0.05);
+  }
+  for (const uint32_t level : {4u, 8u, 12u}) {
+    std::vector<double> grid(lats.size() * lons.size());
+    s.heights_m(lats, lons, level, grid.data());
+    for (size_t j = 0; j < lats.size(); j += 3)
+      for (size_t i = 0; i < lons.size(); i += 3) {
+        double h = 0.0;
+        s.heights_m(std::span(&lats[j], 1), std::span(&lons[i], 1), level, &h);
+        REQUIRE(h == grid[j * lons.size() + i]);
+      }
+  }
+}
+
+TEST_CASE("slopes of a plane are its gradient in m per m") {
+  const HeightSampler s(
+      {raster_of(400, 400, {10.0, 40.0, 14.0, 44.0},
+                 [](double lat, double lon) { return 5000.0 + 2000.0 * (lat - 42.0) + 3000.0 * (lon - 12.0); })},
+      false, nullptr);
+  const double lat[] = {42.0}, lon[] = {12.0};
+  Slope slope;
+  s.slopes(lat, lon, 0.004, &slope);
+  const double m_per_deg = 6371008.8 * std::numbers::pi / 180.0;
+  CHECK(static_cast<double>(slope.north) == doctest::Approx(2000.0 / m_per_deg).epsilon(1e-4));
+  CHECK(static_cast<double>(slope.east) ==
+        doctest::Approx(3000.0 / (m_per_deg * std::cos(rad_from_deg(42.0)))).epsilon(1e-4));
+}
+
+TEST_CASE("land near the coast takes its colour from land, not from the sea in the picture") {
+  // Land north of the equator; the picture is white on land and black at sea, 1 degree a texel, but its coast lies one
+  // degree too far north.
+  const auto land = raster_of(3600, 1800, {}, [](double lat, double) { return lat > 0.0 ? 50.0 : -50.0; });
+  RasterInfo info;
+  info.path = "picture";
+  info.width = 360;
+  info.height = 180;
+  info.bands = 4;
+  info.wraps = true;
+  std::vector<float> values;
+  for (int y = 0; y < 180; ++y)
+    for (int x = 0; x < 360; ++x)
+      for (int b = 0; b < 4; ++b) values.push_back(y < 90 ? 200.0f : 10.0f);
+  const HeightSampler ground({land}, true, nullptr);
+  const ImagerySampler imagery({std::make_shared<ArrayRaster>(info, values)}, ground);
+  const double lat[] = {0.01}, lon[] = {7.3};
+  float rgbx[4];
+  imagery.colours(lat, lon, 0.01, rgbx);
+  CHECK(rgbx[0] == doctest::Approx(200.0f));
+}
+
+TEST_CASE("imagery without data shows what lies below, and grey of albedo 0.2 below all") {
+  RasterInfo info;
+  info.path = "patch";
+  info.width = info.height = 8;
+  info.bands = 4;
+  info.bounds = {0.0, 0.0, 8.0, 8.0};
+  std::vector<float> values(8 * 8 * 4, 77.0f);
+  const HeightSampler ground({}, false, nullptr);
+  const ImagerySampler imagery({std::make_shared<ArrayRaster>(info, values)}, ground);
+  const double lat[] = {4.0, 20.0}, lon[] = {4.0};
+  float rgbx[8];
+  imagery.colours(lat, lon, 0.01, rgbx);
+  CHECK(rgbx[1] == 77.0f);
+  CHECK(rgbx[4] == 124.0f);
+}
