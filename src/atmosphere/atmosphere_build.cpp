@@ -26,6 +26,9 @@ struct OrderPush {
 
 constexpr uint32_t u32(int n) { return static_cast<uint32_t>(n); }
 
+/// Raise it when the order or meaning of the steps changes: old cache files are then no longer found.
+constexpr uint64_t kBuildVersion = 1;
+
 /// Heights per submission of the long steps: an interactive frame or a watchdog must not wait for all of them.
 constexpr int kHeightsPerStep = 8;
 
@@ -164,8 +167,8 @@ std::vector<std::pair<std::string, double>> build_atmosphere_tables(gpu::Device&
   return builder.times;
 }
 
-uint64_t atmosphere_shaders_hash() {
-  uint64_t hash = hash_bytes({});
+uint64_t atmosphere_build_hash() {
+  uint64_t hash = hash_bytes(std::as_bytes(std::span(&kBuildVersion, 1)));
   for (const std::span<const uint32_t> spirv :
        {std::span<const uint32_t>(transmittance_comp), std::span<const uint32_t>(incident_comp),
         std::span<const uint32_t>(irradiance_comp), std::span<const uint32_t>(source_comp),

@@ -8,7 +8,7 @@
 
 namespace nepho {
 
-/// Where the tables are computed to (sizes and formats: make_table_images()).
+/// Where the tables are computed to (sizes and formats: atmosphere_tables.cpp).
 struct AtmosphereTableTargets {
   const gpu::Image& transmittance;
   const gpu::Image& irradiance;
@@ -22,7 +22,7 @@ std::vector<std::pair<std::string, double>> build_atmosphere_tables(gpu::Device&
                                                                     const shared::AtmosphereUniform& air, int orders,
                                                                     const AtmosphereTableTargets& targets);
 
-/// Changes whenever the shaders of the build do: part of the cache's key.
-uint64_t atmosphere_shaders_hash();
+/// Changes whenever the build does (its shaders, table sizes, version): part of the cache's key.
+uint64_t atmosphere_build_hash();
 
 }  // namespace nepho

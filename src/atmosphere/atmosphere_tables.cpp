@@ -22,7 +22,7 @@ uint64_t hash_value(const T& value, uint64_t seed) {
 
 /// Everything that the tables' bits depend on: parameters, shaders (with their sizes), device and driver.
 uint64_t cache_key(const gpu::Device& device, const AtmosphereParams& p, const shared::AtmosphereUniform& uniform) {
-  uint64_t key = atmosphere_shaders_hash();
+  uint64_t key = atmosphere_build_hash();
   key = hash_value(uniform, key);
   key = hash_value(p.min_sun_zenith_cos, key);
   key = hash_value(p.scattering_orders, key);
