@@ -1,6 +1,7 @@
 #include "gpu/graph_executor.h"
 
 #include <algorithm>
+#include <chrono>
 
 #include "base/error.h"
 #include "gpu/commands.h"
@@ -165,7 +166,7 @@ void begin_rendering(VkCommandBuffer cmd, const GraphPass& pass, const std::vect
 }
 }  // namespace
 
-void GraphExecutor::record(Frame& frame, VkCommandBuffer cmd, VkQueryPool queries, uint32_t& next_query) {
+void GraphExecutor::begin_history(Frame& frame, VkCommandBuffer cmd) {
   const FrameGraph& graph = *frame.graph;
   for (uint32_t i = 0; i < graph.resources().size(); ++i) {
     const GraphResource& r = graph.resources()[i];
@@ -179,58 +180,58 @@ void GraphExecutor::record(Frame& frame, VkCommandBuffer cmd, VkQueryPool querie
     frame.history[{i, false}] = &h.images[h.current];
     frame.history[{i, true}] = &h.images[h.current ^ 1u];
   }
-  for (const CompiledPass& compiled : frame.compiled.passes) {
-    const GraphPass& pass = graph.passes()[compiled.pass];
-    device_.begin_label(cmd, pass.name);
-    std::vector<VkImageMemoryBarrier2> image_barriers;
-    std::vector<VkBufferMemoryBarrier2> buffer_barriers;
-    for (const CompiledBarrier& b : compiled.barriers) {
-      const GraphResource& r = graph.resources()[b.slot.resource];
-      if (r.is_image) {
-        const Image& image = *frame.image(b.slot);
-        const bool undefined = image.state.layout == VK_IMAGE_LAYOUT_UNDEFINED;
-        record_image_barrier(image_barriers, image, b.to, b.discard || undefined);
-      } else {
-        const Buffer& buffer = *frame.buffer(b.slot);
-        if (buffer.state.stages == VK_PIPELINE_STAGE_2_NONE) {  // nothing to wait for
-          buffer.state = b.to;
-          continue;
-        }
-        auto barrier = vk_struct<VkBufferMemoryBarrier2>(VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2);
-        barrier.srcStageMask = buffer.state.stages;
-        barrier.srcAccessMask = buffer.state.access;
-        barrier.dstStageMask = b.to.stages;
-        barrier.dstAccessMask = b.to.access;
-        barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-        barrier.buffer = buffer.handle();
-        barrier.size = VK_WHOLE_SIZE;
-        buffer_barriers.push_back(barrier);
-        buffer.state = b.to;
-      }
-    }
-    record_barriers(cmd, image_barriers, buffer_barriers);
+}
 
-    Commands commands;
-    commands.device_ = &device_;
-    commands.cmd_ = cmd;
-    commands.pass_ = &pass;
-    std::vector<const Image*> images;
-    for (const GraphUse& u : pass.uses) {
-      const Slot slot{u.resource, u.previous};
-      const bool is_image = graph.resources()[u.resource].is_image;
-      const Image* image = is_image ? frame.image(slot) : nullptr;
-      const Buffer* buffer = is_image ? nullptr : frame.buffer(slot);
-      images.push_back(image);
-      if (!u.binding.empty()) commands.bound_.push_back({&u, image, buffer});
-      if (u.access == Access::index_buffer) vkCmdBindIndexBuffer(cmd, buffer->handle(), 0, VK_INDEX_TYPE_UINT32);
+void GraphExecutor::record_pass(Frame& frame, const CompiledPass& compiled, VkCommandBuffer cmd) {
+  const FrameGraph& graph = *frame.graph;
+  const GraphPass& pass = graph.passes()[compiled.pass];
+  device_.begin_label(cmd, pass.name);
+  std::vector<VkImageMemoryBarrier2> image_barriers;
+  std::vector<VkBufferMemoryBarrier2> buffer_barriers;
+  for (const CompiledBarrier& b : compiled.barriers) {
+    const GraphResource& r = graph.resources()[b.slot.resource];
+    if (r.is_image) {
+      const Image& image = *frame.image(b.slot);
+      const bool undefined = image.state.layout == VK_IMAGE_LAYOUT_UNDEFINED;
+      record_image_barrier(image_barriers, image, b.to, b.discard || undefined);
+    } else {
+      const Buffer& buffer = *frame.buffer(b.slot);
+      if (buffer.state.stages == VK_PIPELINE_STAGE_2_NONE) {  // nothing to wait for
+        buffer.state = b.to;
+        continue;
+      }
+      auto barrier = vk_struct<VkBufferMemoryBarrier2>(VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2);
+      barrier.srcStageMask = buffer.state.stages;
+      barrier.srcAccessMask = buffer.state.access;
+      barrier.dstStageMask = b.to.stages;
+      barrier.dstAccessMask = b.to.access;
+      barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+      barrier.buffer = buffer.handle();
+      barrier.size = VK_WHOLE_SIZE;
+      buffer_barriers.push_back(barrier);
+      buffer.state = b.to;
     }
-    vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries, next_query++);
-    if (pass.raster) begin_rendering(cmd, pass, images);
-    if (pass.record) pass.record(commands);
-    if (pass.raster) vkCmdEndRendering(cmd);
-    vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries, next_query++);
-    device_.end_label(cmd);
   }
+  record_barriers(cmd, image_barriers, buffer_barriers);
+
+  Commands commands;
+  commands.device_ = &device_;
+  commands.cmd_ = cmd;
+  commands.pass_ = &pass;
+  std::vector<const Image*> images;
+  for (const GraphUse& u : pass.uses) {
+    const Slot slot{u.resource, u.previous};
+    const bool is_image = graph.resources()[u.resource].is_image;
+    const Image* image = is_image ? frame.image(slot) : nullptr;
+    const Buffer* buffer = is_image ? nullptr : frame.buffer(slot);
+    images.push_back(image);
+    if (!u.binding.empty()) commands.bound_.push_back({&u, image, buffer});
+    if (u.access == Access::index_buffer) vkCmdBindIndexBuffer(cmd, buffer->handle(), 0, VK_INDEX_TYPE_UINT32);
+  }
+  if (pass.raster) begin_rendering(cmd, pass, images);
+  if (pass.record) pass.record(commands);
+  if (pass.raster) vkCmdEndRendering(cmd);
+  device_.end_label(cmd);
 }
 
 void GraphExecutor::run(const FrameGraph& graph) { run(std::vector<const FrameGraph*>{&graph}); }
@@ -245,14 +246,39 @@ void GraphExecutor::run(const std::vector<const FrameGraph*>& graphs) {
   if (last_) recycle(*last_);
   last_.reset();
   std::vector<std::unique_ptr<Frame>> frames;
-  uint32_t query_count = 0;
   for (const FrameGraph* graph : graphs) {
     auto frame = std::make_unique<Frame>();
     frame->graph = graph;
     prepare(*frame);
-    query_count += 2 * static_cast<uint32_t>(frame->compiled.passes.size());
     frames.push_back(std::move(frame));
   }
+  timings_.clear();
+  if (device_.info().is_software && !device_.validation_active())
+    run_pass_by_pass(frames);
+  else
+    run_in_one_submission(frames);
+  for (size_t i = 0; i + 1 < frames.size(); ++i) recycle(*frames[i]);
+  if (!frames.empty()) {
+    last_ = std::move(frames.back());
+    last_->graph = nullptr;  // the caller's graph may be gone by the time of a download
+  }
+}
+
+void GraphExecutor::run_pass_by_pass(const std::vector<std::unique_ptr<Frame>>& frames) {
+  for (const auto& frame : frames) {
+    device_.submit_and_wait([&](VkCommandBuffer cmd) { begin_history(*frame, cmd); });
+    for (const CompiledPass& pass : frame->compiled.passes) {
+      const auto start = std::chrono::steady_clock::now();
+      device_.submit_and_wait([&](VkCommandBuffer cmd) { record_pass(*frame, pass, cmd); });
+      const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
+      timings_.push_back({frame->graph->passes()[pass.pass].name, ms.count()});
+    }
+  }
+}
+
+void GraphExecutor::run_in_one_submission(const std::vector<std::unique_ptr<Frame>>& frames) {
+  uint32_t query_count = 0;
+  for (const auto& frame : frames) query_count += 2 * static_cast<uint32_t>(frame->compiled.passes.size());
   auto info = vk_struct<VkQueryPoolCreateInfo>(VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO);
   info.queryType = VK_QUERY_TYPE_TIMESTAMP;
   info.queryCount = std::max(1u, query_count);
@@ -263,29 +289,28 @@ void GraphExecutor::run(const std::vector<const FrameGraph*>& graphs) {
   device_.submit_and_wait([&](VkCommandBuffer cmd) {
     vkCmdResetQueryPool(cmd, queries, 0, info.queryCount);
     uint32_t next = 0;
-    for (const auto& frame : frames) record(*frame, cmd, queries, next);
-  });
-
-  timings_.clear();
-  if (query_count > 0) {
-    std::vector<uint64_t> ticks(query_count);
-    check(vkGetQueryPoolResults(device_.handle(), queries, 0, query_count, ticks.size() * sizeof(uint64_t),
-                                ticks.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
-          "vkGetQueryPoolResults");
-    uint32_t q = 0;
-    for (const auto& frame : frames)
+    for (const auto& frame : frames) {
+      begin_history(*frame, cmd);
       for (const CompiledPass& pass : frame->compiled.passes) {
-        const double ns =
-            static_cast<double>(ticks[q + 1] - ticks[q]) * static_cast<double>(device_.timestamp_period_ns());
-        timings_.push_back({frame->graph->passes()[pass.pass].name, ns * 1e-6});
-        q += 2;
+        vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries, next++);
+        record_pass(*frame, pass, cmd);
+        vkCmdWriteTimestamp2(cmd, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries, next++);
       }
-  }
-  for (size_t i = 0; i + 1 < frames.size(); ++i) recycle(*frames[i]);
-  if (!frames.empty()) {
-    last_ = std::move(frames.back());
-    last_->graph = nullptr;  // the caller's graph may be gone by the time of a download
-  }
+    }
+  });
+  if (query_count == 0) return;
+  std::vector<uint64_t> ticks(query_count);
+  check(vkGetQueryPoolResults(device_.handle(), queries, 0, query_count, ticks.size() * sizeof(uint64_t), ticks.data(),
+                              sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+        "vkGetQueryPoolResults");
+  uint32_t q = 0;
+  for (const auto& frame : frames)
+    for (const CompiledPass& pass : frame->compiled.passes) {
+      const double ns =
+          static_cast<double>(ticks[q + 1] - ticks[q]) * static_cast<double>(device_.timestamp_period_ns());
+      timings_.push_back({frame->graph->passes()[pass.pass].name, ns * 1e-6});
+      q += 2;
+    }
 }
 
 std::vector<std::byte> GraphExecutor::download(ImageRef image) {
