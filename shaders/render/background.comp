@@ -11,7 +11,7 @@ layout(set = 0, binding = 1) uniform sampler2D depth_m;         // m along the r
 layout(set = 0, binding = 2) uniform sampler2D albedo;          // a: 0 sky, 1 land, 2 water
 layout(set = 0, binding = 3) uniform sampler2D normal;          // unit, ECEF axes
 layout(set = 0, binding = 4) uniform sampler2D emission;        // city lights, 0..1
-layout(set = 0, binding = 5) uniform sampler2D sun_visibility;  // of the surface, through clouds
+layout(set = 0, binding = 5) uniform sampler2D sun_visible_share;  // of the surface, through clouds
 layout(set = 0, binding = 6, rgba32f) uniform writeonly image2D background;
 #define ATMOSPHERE_BINDING 8
 #include "atmosphere/atmosphere_lookup.glsl"
@@ -37,7 +37,7 @@ void main() {
     float mu_s = dot(up, f.sun_dir);
     vec3 n = texelFetch(normal, pixel, 0).xyz;
     n = dot(n, n) > 0.25 ? normalize(n) : up;
-    float visibility = push.has_cloud_shadow != 0u ? texelFetch(sun_visibility, pixel, 0).r : 1.0;
+    float visibility = push.has_cloud_shadow != 0u ? texelFetch(sun_visible_share, pixel, 0).r : 1.0;
     vec3 sun = sun_illuminance(f, height, mu_s) * visibility;
     vec3 sky = sky_illuminance(f, height, mu_s);
     if (surface.a > 1.5) {

@@ -55,6 +55,13 @@ void require_writable(const fs::path& path) {
   fs::remove(probe, ec);
 }
 
+void write_text_file(const fs::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(text.data(), static_cast<std::streamsize>(text.size()));
+  file.close();
+  if (!file) throw fail(ErrorKind::failure, "{}: cannot be written ({})", path.string(), std::strerror(errno));
+}
+
 std::string read_text_file(const fs::path& path) {
   std::error_code ec;
   if (!fs::exists(path, ec)) throw fail(ErrorKind::input, "{}: no such file", path.string());

@@ -16,6 +16,9 @@ void write_whole_file(const std::filesystem::path& path,
 /// Throws Error(failure) with one clear line unless a file could be created at `path` (checked before long work).
 void require_writable(const std::filesystem::path& path);
 
+/// Puts bytes into a file as they are. Throws Error(failure) when the disk refuses. Not whole-or-not by itself.
+void write_text_file(const std::filesystem::path& path, const std::string& text);
+
 /// All bytes of a file. Throws Error(input) naming the file when it is missing or unreadable.
 std::string read_text_file(const std::filesystem::path& path);
 

@@ -10,22 +10,25 @@ namespace nepho {
 static_assert(sizeof(shared::BackgroundPush) == 16);
 
 namespace {
-constexpr float kWind_mps = 6.0f;               // a moderate breeze over the sea, the ocean's mean
-constexpr float kNightLight_cd_m2 = 8.0f;       // city centres seen from above (VIIRS: some 1e-7 W/cm2/sr, about that)
+constexpr float kWind_mps = 6.0f;          // a moderate breeze over the sea, the ocean's mean
+constexpr float kNightLight_cd_m2 = 8.0f;  // city centres seen from above (VIIRS: some 1e-7 W/cm2/sr, about that)
 }  // namespace
 
-BackgroundPass::BackgroundPass(gpu::Device& device) : pipeline_(device, {.name = "background", .spirv = background_comp}) {}
+BackgroundPass::BackgroundPass(gpu::Device& device)
+    : pipeline_(device, {.name = "background", .spirv = background_comp}) {}
 
-ImageRef BackgroundPass::add(FrameGraph& graph, const FrameInfo& frame, const AtmosphereParams& params, const Inputs& in) const {
+ImageRef BackgroundPass::add(FrameGraph& graph, const FrameInfo& frame, const AtmosphereParams& params,
+                             const Inputs& in) const {
   const ImageRef out = graph.create("background", {.extent = frame.extent, .format = Format::rgba32f});
-  const shared::BackgroundPush push{kWind_mps, kNightLight_cd_m2, in.sun_visibility ? 1u : 0u, static_cast<float>(params.ground_albedo)};
+  const shared::BackgroundPush push{kWind_mps, in.terrain.emission ? kNightLight_cd_m2 : 0.0f,
+                                    in.sun_visibility ? 1u : 0u, static_cast<float>(params.ground_albedo)};
   auto pass = graph.pass("background");
   pass.uniform("frame", frame.buffer)
       .sample("depth_m", in.terrain.depth_m, Sampler::nearest_clamp)
       .sample("albedo", in.terrain.albedo, Sampler::nearest_clamp)
       .sample("normal", in.terrain.normal, Sampler::nearest_clamp)
-      .sample("emission", in.terrain.emission, Sampler::nearest_clamp)
-      .sample("sun_visibility", in.sun_visibility ? in.sun_visibility : in.terrain.depth_m, Sampler::nearest_clamp)
+      .sample("emission", in.terrain.emission ? in.terrain.emission : in.terrain.albedo, Sampler::nearest_clamp)
+      .sample("sun_visible_share", in.sun_visibility ? in.sun_visibility : in.terrain.depth_m, Sampler::nearest_clamp)
       .write("background", out);
   AtmosphereTables::bind(pass, in.atmosphere);
   pass.record([this, push, extent = frame.extent](gpu::Commands& cmd) {
@@ -36,12 +39,16 @@ ImageRef BackgroundPass::add(FrameGraph& graph, const FrameInfo& frame, const At
 
 CompositePass::CompositePass(gpu::Device& device) : pipeline_(device, {.name = "composite", .spirv = composite_comp}) {}
 
-ImageRef CompositePass::add(FrameGraph& graph, const FrameInfo& frame, ImageRef background, ImageRef cloud_radiance) const {
+ImageRef CompositePass::add(FrameGraph& graph, const FrameInfo& frame, ImageRef background,
+                            ImageRef cloud_radiance) const {
   const ImageRef out = graph.create("radiance", {.extent = frame.extent, .format = Format::rgba32f});
-  graph.pass("composite").sample("background", background, Sampler::nearest_clamp)
+  graph.pass("composite")
+      .sample("background", background, Sampler::nearest_clamp)
       .sample("cloud_radiance", cloud_radiance, Sampler::nearest_clamp)
       .write("radiance", out)
-      .record([this, extent = frame.extent](gpu::Commands& cmd) { cmd.bind(pipeline_).dispatch_threads(extent.width, extent.height); });
+      .record([this, extent = frame.extent](gpu::Commands& cmd) {
+        cmd.bind(pipeline_).dispatch_threads(extent.width, extent.height);
+      });
   return out;
 }
 

@@ -7,7 +7,8 @@
 namespace nepho {
 
 /// Shades the surface, the sky and the sun's disc as seen through clear air.
-/// Reads the terrain's images, the atmosphere tables and, where there are clouds, their shadow on the surface. Writes radiance.
+/// Reads the terrain's images, the atmosphere tables and, where there are clouds, their shadow on the surface. Writes
+/// radiance.
 class BackgroundPass {
  public:
   struct Inputs {

@@ -11,8 +11,8 @@ constexpr double kEyeHeight_m = 2.0;
 CameraPose resolve_camera(const CameraParams& params, const GroundHeight& ground) {
   CameraPose pose;
   pose.at = Geodetic::from_degrees(params.lat_deg, params.lon_deg);
-  pose.at.height_m =
-      params.height_m ? *params.height_m : ground(pose.at.lat_rad, pose.at.lon_rad) + params.agl_m.value_or(kEyeHeight_m);
+  pose.at.height_m = params.height_m ? *params.height_m
+                                     : ground(pose.at.lat_rad, pose.at.lon_rad) + params.agl_m.value_or(kEyeHeight_m);
   pose.attitude = Attitude::from_degrees(params.heading_deg, params.pitch_deg, params.roll_deg);
   if (params.look_at) {
     Geodetic target = Geodetic::from_degrees(params.look_at->lat_deg, params.look_at->lon_deg);

@@ -45,13 +45,24 @@ ExposurePasses::Outputs ExposurePasses::add(FrameGraph& graph, ImageRef radiance
   const BufferRef bins = graph.constants("exposure.bins", std::vector<uint32_t>(shared::kHistogramBins, 0u));
   const Outputs out{.display = graph.create("display", {.extent = extent, .format = Format::rgba8}),
                     .state = graph.create_buffer("exposure.state", sizeof(shared::ExposureState))};
-  graph.pass("exposure.histogram").sample("radiance", radiance, Sampler::nearest_clamp).read_write("histogram", bins)
-      .record([this, extent, push](gpu::Commands& cmd) { cmd.bind(histogram_).push(push).dispatch_threads(extent.width, extent.height); });
-  graph.pass("exposure.reduce").read_write("histogram", bins).write("exposure", out.state)
+  graph.pass("exposure.histogram")
+      .sample("radiance", radiance, Sampler::nearest_clamp)
+      .read_write("histogram", bins)
+      .record([this, extent, push](gpu::Commands& cmd) {
+        cmd.bind(histogram_).push(push).dispatch_threads(extent.width, extent.height);
+      });
+  graph.pass("exposure.reduce")
+      .read_write("histogram", bins)
+      .write("exposure", out.state)
       .record([this, push](gpu::Commands& cmd) { cmd.bind(reduce_).push(push).dispatch_threads(1); });
   const shared::TonemapPush tone{glm::uvec2(extent.width, extent.height), tone_curve(params.tone_curve), params.seed};
-  graph.pass("tonemap").sample("radiance", radiance, Sampler::nearest_clamp).read("exposure", out.state).write("display", out.display)
-      .record([this, extent, tone](gpu::Commands& cmd) { cmd.bind(tonemap_).push(tone).dispatch_threads(extent.width, extent.height); });
+  graph.pass("tonemap")
+      .sample("radiance", radiance, Sampler::nearest_clamp)
+      .read("exposure", out.state)
+      .write("display", out.display)
+      .record([this, extent, tone](gpu::Commands& cmd) {
+        cmd.bind(tonemap_).push(tone).dispatch_threads(extent.width, extent.height);
+      });
   return out;
 }
 

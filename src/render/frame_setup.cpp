@@ -24,8 +24,8 @@ glm::vec2 frame_jitter(uint32_t frame_index) {
   return glm::vec2(halton(frame_index, 2) - 0.5f, halton(frame_index, 3) - 0.5f);
 }
 
-shared::FrameConstants make_frame_constants(const CameraPose& pose, Extent2D extent, const FrameLight& light, double time_s,
-                                            uint32_t frame_index, uint32_t seed, glm::vec2 jitter_px) {
+shared::FrameConstants make_frame_constants(const CameraPose& pose, Extent2D extent, const FrameLight& light,
+                                            double time_s, uint32_t frame_index, uint32_t seed, glm::vec2 jitter_px) {
   const double tan_y = std::tan(0.5 * pose.fov_rad);
   const double tan_x = tan_y * extent.width / extent.height;
   shared::FrameConstants c{};

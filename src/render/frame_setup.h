@@ -14,8 +14,8 @@ struct FrameLight {
 
 /// Everything that shaders need of camera, planet, sun and clock, computed in double and narrowed once.
 /// `jitter_px` moves this frame's rays within their pixels.
-shared::FrameConstants make_frame_constants(const CameraPose& pose, Extent2D extent, const FrameLight& light, double time_s,
-                                            uint32_t frame_index, uint32_t seed, glm::vec2 jitter_px);
+shared::FrameConstants make_frame_constants(const CameraPose& pose, Extent2D extent, const FrameLight& light,
+                                            double time_s, uint32_t frame_index, uint32_t seed, glm::vec2 jitter_px);
 
 /// Sub-pixel offset of frame i, -0.5..0.5: frame 0 is the pixel centre, the others a Halton (2, 3) sequence.
 glm::vec2 frame_jitter(uint32_t frame_index);

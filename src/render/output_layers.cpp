@@ -35,9 +35,14 @@ void add_positions(ImageBuffer& out, const FrameReadback& frame, const CameraPos
     if (depth >= 0.5 * static_cast<double>(shared::kFarDepth_m)) continue;
     const double x = 2.0 * (static_cast<double>(i % out.width) + 0.5) / out.width - 1.0;
     const double y = 1.0 - 2.0 * (static_cast<double>(i / out.width) + 0.5) / out.height;
-    const vec3 d = vec3(glm::normalize(pose.axes.forward + x * tan_x * pose.axes.right + y * tan_y * pose.axes.up) * depth);
+    const vec3 d =
+        vec3(glm::normalize(pose.axes.forward + x * tan_x * pose.axes.right + y * tan_y * pose.axes.up) * depth);
     const Geodetic at = geodetic_from_ecef(pose.ecef_m + dvec3(d));
-    const float values[] = {d.x, d.y, d.z, static_cast<float>(at.lat_deg()), static_cast<float>(at.lon_deg()),
+    const float values[] = {d.x,
+                            d.y,
+                            d.z,
+                            static_cast<float>(at.lat_deg()),
+                            static_cast<float>(at.lon_deg()),
                             static_cast<float>(at.height_m)};
     for (size_t c = 0; c < channels.size(); ++c) channels[c].values[i] = values[c];
   }
@@ -47,12 +52,21 @@ void add_positions(ImageBuffer& out, const FrameReadback& frame, const CameraPos
 }  // namespace
 
 const std::vector<std::string>& known_layers() {
-  static const std::vector<std::string> names = {"depth",  "position",      "surface",     "surface.mask",       "albedo",
-                                                 "cloud",  "cloud.transmittance", "cloud.optical_depth", "cloud.depth_m", "cloud.layer"};
+  static const std::vector<std::string> names = {"depth",
+                                                 "position",
+                                                 "surface",
+                                                 "surface.mask",
+                                                 "albedo",
+                                                 "cloud",
+                                                 "cloud.transmittance",
+                                                 "cloud.optical_depth",
+                                                 "cloud.depth_m",
+                                                 "cloud.layer"};
   return names;
 }
 
-ImageBuffer make_output_layers(const FrameReadback& frame, const CameraPose& pose, const std::set<std::string>& wanted) {
+ImageBuffer make_output_layers(const FrameReadback& frame, const CameraPose& pose,
+                               const std::set<std::string>& wanted) {
   ImageBuffer out;
   out.width = frame.extent.width;
   out.height = frame.extent.height;
@@ -66,10 +80,14 @@ ImageBuffer make_output_layers(const FrameReadback& frame, const CameraPose& pos
   if (want("albedo")) add_rgb(out, "albedo.", frame.albedo);
   if (want("cloud")) add_rgb(out, "cloud.", frame.cloud);
   const bool whole_cloud = wanted.contains("cloud");
-  if (whole_cloud || want("cloud.transmittance")) add_channel(out, "cloud.transmittance", [&](size_t i) { return frame.cloud[4 * i + 3]; });
-  if (whole_cloud || want("cloud.depth_m")) add_channel(out, "cloud.depth_m", [&](size_t i) { return frame.cloud_info[4 * i]; });
-  if (whole_cloud || want("cloud.optical_depth")) add_channel(out, "cloud.optical_depth", [&](size_t i) { return frame.cloud_info[4 * i + 1]; });
-  if (whole_cloud || want("cloud.layer")) add_channel(out, "cloud.layer", [&](size_t i) { return frame.cloud_info[4 * i + 2]; });
+  if (whole_cloud || want("cloud.transmittance"))
+    add_channel(out, "cloud.transmittance", [&](size_t i) { return frame.cloud[4 * i + 3]; });
+  if (whole_cloud || want("cloud.depth_m"))
+    add_channel(out, "cloud.depth_m", [&](size_t i) { return frame.cloud_info[4 * i]; });
+  if (whole_cloud || want("cloud.optical_depth"))
+    add_channel(out, "cloud.optical_depth", [&](size_t i) { return frame.cloud_info[4 * i + 1]; });
+  if (whole_cloud || want("cloud.layer"))
+    add_channel(out, "cloud.layer", [&](size_t i) { return frame.cloud_info[4 * i + 2]; });
   return out;
 }
 

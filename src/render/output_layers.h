@@ -24,8 +24,8 @@ struct FrameReadback {
 const std::vector<std::string>& known_layers();
 
 /// The layers of DESIGN.md, 'Images that mean something'. `wanted` empty: all. R, G, B are always there.
-/// Positions: dx, dy, dz are the pixel's own ray times its depth, in double, narrowed once; degrees and height follow from
-/// the narrowed values, so that they agree with each other to the rounding of the degrees.
+/// Positions: dx, dy, dz are the pixel's own ray times its depth, in double, narrowed once; degrees and height follow
+/// from the narrowed values, so that they agree with each other to the rounding of the degrees.
 ImageBuffer make_output_layers(const FrameReadback& frame, const CameraPose& pose, const std::set<std::string>& wanted);
 
 }  // namespace nepho

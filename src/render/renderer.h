@@ -14,25 +14,25 @@ namespace nepho {
 
 /// Wall-clock and GPU times of a render, ms.
 struct RenderTimings {
-  double startup_ms = 0.0;      ///< making the renderer: pipelines, tables, noise, weather
-  double atmosphere_ms = 0.0;   ///< of startup: atmosphere tables
+  double startup_ms = 0.0;     ///< making the renderer: pipelines, tables, noise, weather
+  double atmosphere_ms = 0.0;  ///< of startup: atmosphere tables
   bool atmosphere_cached = false;
-  double clouds_ms = 0.0;       ///< of startup: noise and weather
-  double terrain_ms = 0.0;      ///< selecting, loading and uploading tiles for this view
-  double frame_ms = 0.0;        ///< recording, GPU work and wait of one frame (mean over frames)
-  double readback_ms = 0.0;     ///< downloads and output layers
+  double clouds_ms = 0.0;               ///< of startup: noise and weather
+  double terrain_ms = 0.0;              ///< selecting, loading and uploading tiles for this view
+  double frame_ms = 0.0;                ///< recording, GPU work and wait of one frame (mean over frames)
+  double readback_ms = 0.0;             ///< downloads and output layers
   std::vector<gpu::PassTiming> passes;  ///< of the last frame
   uint64_t gpu_memory_bytes = 0;
 };
 
 struct RenderRequest {
-  bool display = true;             ///< make the 8-bit picture
-  bool layers = true;              ///< make the float layers
-  std::set<std::string> wanted;    ///< layer names; empty: all
+  bool display = true;           ///< make the 8-bit picture
+  bool layers = true;            ///< make the float layers
+  std::set<std::string> wanted;  ///< layer names; empty: all
 };
 
 struct RenderResult {
-  ImageBuffer layers;               ///< scene-linear, cd/m2, with the asked layers
+  ImageBuffer layers;                ///< scene-linear, cd/m2, with the asked layers
   std::vector<uint8_t> display_rgb;  ///< sRGB, 8 bit, width * height * 3
   CameraPose pose;
   double ev100 = 0.0;  ///< exposure of the 8-bit picture

@@ -1,0 +1,19 @@
+#pragma once
+#include "clouds/cloud_density.h"
+#include "gpu/frame_info.h"
+#include "gpu/pipeline.h"
+
+namespace nepho {
+
+/// Shadows of clouds on the surface, by a short march towards the sun at every pixel.
+/// Reads the surface's depth and the cloud density. Writes the share of sunlight that arrives, r32f.
+class GroundShadowPass {
+ public:
+  explicit GroundShadowPass(gpu::Device& device);
+  ImageRef add(FrameGraph& graph, const FrameInfo& frame, ImageRef depth_m, const CloudDensityRefs& density) const;
+
+ private:
+  gpu::ComputePipeline pipeline_;
+};
+
+}  // namespace nepho

@@ -1,0 +1,223 @@
+#include "render/renderer.h"
+
+#include <glm/gtc/packing.hpp>
+
+#include <chrono>
+#include <cstring>
+
+#include "astro/sky_bodies.h"
+#include "atmosphere/atmosphere_tables.h"
+#include "atmosphere/luminance.h"
+#include "base/error.h"
+#include "clouds/cloud_march_pass.h"
+#include "render/background_pass.h"
+#include "render/exposure_passes.h"
+#include "render/frame_setup.h"
+#include "render/ground_shadow_pass.h"
+#include "render/output_layers.h"
+#include "render/render_shared.h"
+#include "weather/weather_map.h"
+
+namespace nepho {
+
+namespace {
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+std::vector<float> floats_from_half(const std::vector<uint16_t>& halves) {
+  std::vector<float> out(halves.size());
+  for (size_t i = 0; i < halves.size(); ++i) out[i] = glm::unpackHalf1x16(halves[i]);
+  return out;
+}
+}  // namespace
+
+struct Renderer::Parts {
+  Parts(gpu::Device& device, TerrainSources sources, const Scene& scene, RenderTimings& timings)
+      : executor(device),
+        terrain(device, std::move(sources), scene.terrain),
+        background(device),
+        composite(device),
+        exposure(device) {
+    auto start = Clock::now();
+    atmosphere = std::make_unique<AtmosphereTables>(device, scene.atmosphere);
+    timings.atmosphere_ms = ms_since(start);
+    timings.atmosphere_cached = atmosphere->came_from_cache();
+    start = Clock::now();
+    if (!draws_nothing(scene.clouds)) clouds = std::make_unique<Clouds>(device, scene.clouds);
+    timings.clouds_ms = ms_since(start);
+  }
+
+  /// Absent under a clear sky, which then costs nothing.
+  struct Clouds {
+    Clouds(gpu::Device& device, const CloudParams& params)
+        : noise(device), weather(device), march(device), shadow(device) {
+      weather.update({.coverage = params.coverage, .contrast = params.weather_contrast, .seed = params.weather_seed});
+    }
+    CloudNoise noise;
+    WeatherMap weather;
+    CloudMarchPass march;
+    GroundShadowPass shadow;
+  };
+
+  gpu::GraphExecutor executor;
+  Terrain terrain;
+  std::unique_ptr<AtmosphereTables> atmosphere;
+  std::unique_ptr<Clouds> clouds;
+  BackgroundPass background;
+  CompositePass composite;
+  ExposurePasses exposure;
+  FrameLight light;
+  double time_s = 0.0;
+  CameraPose pose;
+};
+
+namespace {
+
+/// References to what a frame leaves behind.
+struct FrameOutputs {
+  Terrain::Outputs terrain;
+  ImageRef background, radiance, cloud, cloud_info;
+  ExposurePasses::Outputs exposure;
+};
+
+}  // namespace
+
+Renderer::Renderer(gpu::Device& device, TerrainSources sources, const Scene& scene) : scene_(scene), device_(device) {
+  const auto start = Clock::now();
+  parts_ = std::make_unique<Parts>(device, std::move(sources), scene, timings_);
+  const UtcInstant utc = parse_utc(scene.time);
+  const SunState sun = sky_bodies_at(utc).sun;
+  parts_->time_s = utc.seconds_since_2000();
+  parts_->light = {.sun_dir_ecef = sun.dir_ecef,
+                   .sun_angular_radius_rad = sun.angular_radius_rad,
+                   .sun_distance_au = sun.distance_au,
+                   .sun_illuminance_at_1au = sun_illuminance_at_1au(scene.atmosphere)};
+  parts_->pose = resolve_camera(scene.camera, [this](double lat_rad, double lon_rad) {
+    return parts_->terrain.ground_height_m(lat_rad, lon_rad);
+  });
+  timings_.startup_ms = ms_since(start);
+}
+
+Renderer::~Renderer() = default;
+
+CameraPose Renderer::pose() const { return parts_->pose; }
+
+RenderResult Renderer::render(const RenderRequest& request) {
+  Parts& p = *parts_;
+  const Extent2D extent{scene_.render.width, scene_.render.height};
+  const uint32_t frames = std::max(1u, scene_.render.frames);
+  const size_t pixels = size_t{extent.width} * extent.height;
+  FrameReadback readback;
+  readback.extent = extent;
+  std::vector<double> sum;
+  RenderResult result;
+  result.pose = p.pose;
+  timings_.frame_ms = timings_.readback_ms = timings_.terrain_ms = 0.0;
+
+  for (uint32_t i = 0; i < frames; ++i) {
+    FrameGraph graph;
+    FrameInfo frame;
+    frame.extent = extent;
+    frame.camera_ecef_m = p.pose.ecef_m;
+    frame.time_s = p.time_s;
+    frame.constants = make_frame_constants(p.pose, extent, p.light, p.time_s, i, scene_.render.seed, frame_jitter(i));
+    frame.buffer = graph.constants("frame", frame.constants);
+
+    auto start = Clock::now();
+    p.terrain.prepare(frame);
+    timings_.terrain_ms += ms_since(start);
+
+    start = Clock::now();
+    FrameOutputs out;
+    const AtmosphereTables::Refs atmosphere = p.atmosphere->import(graph, frame);
+    out.terrain = p.terrain.add(graph, frame);
+    BackgroundPass::Inputs background{.terrain = out.terrain, .atmosphere = atmosphere, .sun_visibility = {}};
+    CloudDensityRefs density;
+    if (p.clouds) {
+      density = import_cloud_density(graph, frame, scene_.clouds, p.clouds->noise, p.clouds->weather);
+      background.sun_visibility = p.clouds->shadow.add(graph, frame, out.terrain.depth_m, density);
+    }
+    out.background = p.background.add(graph, frame, scene_.atmosphere, background);
+    out.radiance = out.background;
+    if (p.clouds) {
+      const CloudMarchPass::Outputs marched = p.clouds->march.add(
+          graph, frame, scene_.clouds, {.depth_m = out.terrain.depth_m, .atmosphere = atmosphere, .density = density});
+      out.cloud = marched.radiance;
+      out.cloud_info = marched.info;
+      out.radiance = p.composite.add(graph, frame, out.background, out.cloud);
+    }
+    const bool last = i + 1 == frames;
+    if (request.display && frames == 1) {
+      out.exposure = p.exposure.add(graph, out.radiance, scene_.render);
+      graph.keep(out.exposure.display);
+      graph.keep(out.exposure.state);
+    }
+    graph.keep(out.radiance);
+    if (request.layers && i == 0) {
+      graph.keep(out.terrain.depth_m);
+      graph.keep(out.terrain.albedo);
+      graph.keep(out.background);
+      if (p.clouds) {
+        graph.keep(out.cloud);
+        graph.keep(out.cloud_info);
+      }
+    }
+    p.executor.run(graph);
+    timings_.frame_ms += ms_since(start);
+    timings_.passes = p.executor.timings();
+
+    start = Clock::now();
+    if (request.layers || frames > 1) readback.radiance = p.executor.read<float>(out.radiance);
+    if (request.layers && i == 0) {
+      readback.depth_m = p.executor.read<float>(out.terrain.depth_m);
+      readback.albedo = floats_from_half(p.executor.read<uint16_t>(out.terrain.albedo));
+      readback.background = p.executor.read<float>(out.background);
+      if (p.clouds) {
+        readback.cloud = p.executor.read<float>(out.cloud);
+        readback.cloud_info = p.executor.read<float>(out.cloud_info);
+      } else {
+        readback.cloud.assign(4 * pixels, 0.0f);
+        readback.cloud_info.assign(4 * pixels, 0.0f);
+        for (size_t k = 0; k < pixels; ++k) {
+          readback.cloud[4 * k + 3] = 1.0f;
+          readback.cloud_info[4 * k] = shared::kFarDepth_m;
+        }
+      }
+    }
+    if (frames > 1) {
+      // The mean of the frames' radiance; the other layers are those of frame 0, through the pixel centres.
+      if (sum.empty()) sum.assign(readback.radiance.size(), 0.0);
+      for (size_t k = 0; k < sum.size(); ++k) sum[k] += static_cast<double>(readback.radiance[k]);
+      if (last)
+        for (size_t k = 0; k < sum.size(); ++k) readback.radiance[k] = static_cast<float>(sum[k] / frames);
+    }
+    if (last && request.display) {
+      if (frames > 1) {
+        FrameGraph tone;
+        const gpu::Image image = device_.create_image({.name = "mean", .extent = extent, .format = Format::rgba32f});
+        const gpu::ImageUpload upload{&image, std::as_bytes(std::span(readback.radiance))};
+        device_.upload({&upload, 1});
+        out.exposure = p.exposure.add(tone, tone.import(image), scene_.render);
+        tone.keep(out.exposure.display);
+        tone.keep(out.exposure.state);
+        p.executor.run(tone);
+      }
+      const std::vector<uint8_t> rgba = p.executor.read<uint8_t>(out.exposure.display);
+      result.display_rgb.resize(3 * pixels);
+      for (size_t k = 0; k < pixels; ++k) std::memcpy(&result.display_rgb[3 * k], &rgba[4 * k], 3);
+      result.ev100 = static_cast<double>(p.executor.read<float>(out.exposure.state)[0]);
+    }
+    timings_.readback_ms += ms_since(start);
+  }
+  timings_.frame_ms /= frames;
+  const auto start = Clock::now();
+  if (request.layers) result.layers = make_output_layers(readback, p.pose, request.wanted);
+  timings_.readback_ms += ms_since(start);
+  timings_.gpu_memory_bytes = device_.memory_bytes();
+  return result;
+}
+
+}  // namespace nepho

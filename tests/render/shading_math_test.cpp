@@ -1,0 +1,97 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "common/tonemap.h"
+#include "common/water.h"
+#include "render/camera_pose.h"
+#include "render/frame_setup.h"
+
+using namespace nepho;
+using namespace nepho::shared;
+
+TEST_CASE("water: the glint of a gently roughened sea reflects Fresnel's share of the sun over the hemisphere") {
+  // Energy: integral of glint * cos_v over all directions = mean Fresnel reflectance of the irradiance E cos_s. Sun at
+  // 30 degrees from the zenith, nearly smooth sea: F(30 deg) = 0.0217 (n = 1.34), times cos_s. Midpoint rule, 1 degree
+  // cells.
+  const float zenith = kPi / 6.0f;
+  const vec3 up(0, 0, 1), sun(std::sin(zenith), 0, std::cos(zenith));
+  const float slopes = 0.01f;
+  double flux = 0.0;
+  const int rows = 360, columns = 720;
+  for (int i = 0; i < rows; ++i) {
+    const double theta = (i + 0.5) / rows * 0.5 * static_cast<double>(kPi);
+    for (int j = 0; j < columns; ++j) {
+      const double phi = (j + 0.5) / columns * 2.0 * static_cast<double>(kPi);
+      const vec3 eye(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
+      const double solid =
+          std::sin(theta) * (0.5 * static_cast<double>(kPi) / rows) * (2.0 * static_cast<double>(kPi) / columns);
+      flux += static_cast<double>(sun_glint_per_sr(up, eye, sun, slopes)) * std::cos(theta) * solid;
+    }
+  }
+  const double expected = static_cast<double>(fresnel_water(std::cos(zenith)) * std::cos(zenith));
+  CHECK(flux == doctest::Approx(expected).epsilon(0.03));  // slopes spread the angles of incidence by a few degrees
+}
+
+TEST_CASE("water: Fresnel reflectance is 2.1 % at normal and 100 % at grazing incidence") {
+  CHECK(fresnel_water(1.0f) == doctest::Approx(std::pow(0.34 / 2.34, 2.0)).epsilon(1e-5));
+  CHECK(fresnel_water(0.0f) == doctest::Approx(1.0).epsilon(1e-5));
+  CHECK(fresnel_water(std::cos(kPi / 3.0f)) == doctest::Approx(0.0603).epsilon(0.01));
+}
+
+TEST_CASE("exposure: a grey card in full sun meters at about EV 15, and EV and exposure invert") {
+  // 18 % grey under 1e5 lux: 5730 cd/m2; sunny 16 is EV 15.
+  const float ev = ev100_from_luminance(0.18f / kPi * 1.0e5f);
+  CHECK(ev == doctest::Approx(15.5).epsilon(0.02));
+  CHECK(exposure_from_ev100(0.0f) == doctest::Approx(1.0 / 1.2));
+}
+
+TEST_CASE("tone curves: black stays black, more light is never darker, and white is reached") {
+  for (const uint32_t curve : {kToneLinear, kToneReinhard, kToneAces, kToneAgx}) {
+    float last = -1.0f;
+    for (float v = 0.0f; v < 40.0f; v = v * 1.2f + 1.0e-3f) {
+      const vec3 out = tone_map(vec3(v), curve);
+      CHECK(out.g >= last - 1e-4f);
+      last = out.g;
+    }
+    CHECK(tone_map(vec3(0.0f), curve).g < 2e-3f);
+    CHECK(last > 0.95f);
+  }
+}
+
+TEST_CASE("camera: look-at puts the target on the optical axis and keeps the horizon level") {
+  CameraParams params;
+  params.lat_deg = 35.47;
+  params.lon_deg = 138.60;
+  params.height_m = 2500.0;
+  params.look_at = LookAt{35.3606, 138.7274, 3700.0};
+  const CameraPose pose = resolve_camera(params, [](double, double) { return 0.0; });
+  const dvec3 target = ecef_from_geodetic(Geodetic::from_degrees(35.3606, 138.7274, 3700.0));
+  const dvec3 towards = glm::normalize(target - pose.ecef_m);
+  CHECK(glm::dot(towards, pose.axes.forward) > 1.0 - 1e-14);
+  CHECK(std::abs(glm::dot(pose.axes.right, geodetic_up_ecef(pose.at.lat_rad, pose.at.lon_rad))) < 1e-12);
+}
+
+TEST_CASE("camera: without a height it stands 2 m above the ground") {
+  CameraParams params;
+  const CameraPose pose = resolve_camera(params, [](double, double) { return 1234.0; });
+  CHECK(pose.at.height_m == doctest::Approx(1236.0));
+}
+
+TEST_CASE("frame constants: the direction of a pixel agrees with the double camera to a hundredth of a pixel") {
+  CameraParams params;
+  params.height_m = 400e3;
+  params.pitch_deg = -40.0;
+  params.heading_deg = 123.0;
+  params.roll_deg = 10.0;
+  const CameraPose pose = resolve_camera(params, [](double, double) { return 0.0; });
+  const Extent2D extent{641, 361};
+  const FrameConstants c = make_frame_constants(pose, extent, FrameLight{}, 0.0, 0, 0, glm::vec2(0.0f));
+  const double tan_y = std::tan(0.5 * pose.fov_rad), tan_x = tan_y * 641.0 / 361.0;
+  for (const auto& [px, py] : {std::pair{0, 0}, {640, 360}, {320, 180}, {17, 333}}) {
+    const double x = 2.0 * (px + 0.5) / 641.0 - 1.0, y = 1.0 - 2.0 * (py + 0.5) / 361.0;
+    const dvec3 expected = glm::normalize(pose.axes.forward + x * tan_x * pose.axes.right + y * tan_y * pose.axes.up);
+    const dvec3 found = dvec3(pixel_direction(c, vec2(static_cast<float>(px) + 0.5f, static_cast<float>(py) + 0.5f)));
+    CHECK(glm::length(found - expected) < 0.01 * static_cast<double>(c.pixel_angle_rad));
+  }
+}
