@@ -16,10 +16,12 @@ uint32_t reduced(uint32_t size, uint32_t reduction) {
 }
 }  // namespace
 
-BlockCache::BlockCache(std::shared_ptr<Raster> raster, uint64_t budget_bytes, Filter filter)
+BlockCache::BlockCache(std::shared_ptr<Raster> raster, uint64_t budget_bytes, Filter filter, bool reduces)
     : raster_(std::move(raster)), info_(raster_->info()), budget_bytes_(budget_bytes), filter_(std::move(filter)) {
   NEPHO_ASSERT(info_.width > 0 && info_.height > 0);
   own_reductions_ = std::max(1u, raster_->reductions());
+  const uint64_t whole_bytes = uint64_t{info_.width} * info_.height * (info_.bands * sizeof(float) + 1);
+  if (reduces && whole_bytes <= budget_bytes_ / 2) own_reductions_ = 1;
   while (reduced(std::max(info_.width, info_.height), last_reduction_) > 1) ++last_reduction_;
   pixel_deg_ = std::max((info_.bounds.east_deg - info_.bounds.west_deg) / info_.width,
                         (info_.bounds.north_deg - info_.bounds.south_deg) / info_.height);
@@ -97,30 +99,36 @@ BlockCache::Block BlockCache::load(uint32_t reduction, uint32_t bx, uint32_t by)
 BlockCache::Block BlockCache::reduce_children(uint32_t reduction, uint32_t bx, uint32_t by) const {
   Block out;
   const uint32_t bands = info_.bands;
-  const uint32_t below_width = width_at(reduction - 1), below_height = height_at(reduction - 1);
-  out.data.width = std::min(kSide, width_at(reduction) - bx * kSide);
-  out.data.height = std::min(kSide, height_at(reduction) - by * kSide);
-  out.data.values.assign(size_t{out.data.width} * out.data.height * bands, 0.0f);
-  out.data.valid.assign(size_t{out.data.width} * out.data.height, 0);
-  std::vector<double> sum(bands);
-  for (uint32_t y = 0; y < out.data.height; ++y)
-    for (uint32_t x = 0; x < out.data.width; ++x) {
-      std::fill(sum.begin(), sum.end(), 0.0);
-      uint32_t count = 0;
-      for (uint32_t i = 0; i < 4; ++i) {
-        const uint32_t px = (bx * kSide + x) * 2 + (i & 1), py = (by * kSide + y) * 2 + (i >> 1);
-        if (px >= below_width || py >= below_height) continue;
-        const auto child = block(reduction - 1, px / kSide, py / kSide);
-        const size_t at = size_t{py % kSide} * child->data.width + px % kSide;
-        if (!child->data.valid[at]) continue;
-        ++count;
-        for (uint32_t b = 0; b < bands; ++b) sum[b] += static_cast<double>(child->data.values[at * bands + b]);
+  RasterBlock& to = out.data;
+  to.width = std::min(kSide, width_at(reduction) - bx * kSide);
+  to.height = std::min(kSide, height_at(reduction) - by * kSide);
+  to.values.assign(size_t{to.width} * to.height * bands, 0.0f);
+  to.valid.assign(size_t{to.width} * to.height, 0);
+  const uint32_t blocks_x = (width_at(reduction - 1) + kSide - 1) / kSide;
+  const uint32_t blocks_y = (height_at(reduction - 1) + kSide - 1) / kSide;
+  for (uint32_t quadrant = 0; quadrant < 4; ++quadrant) {
+    const uint32_t cx = 2 * bx + (quadrant & 1), cy = 2 * by + (quadrant >> 1);
+    if (cx >= blocks_x || cy >= blocks_y) continue;
+    const auto child = block(reduction - 1, cx, cy);
+    const RasterBlock& from = child->data;
+    const uint32_t x0 = (quadrant & 1) * kSide / 2, y0 = (quadrant >> 1) * kSide / 2;
+    for (uint32_t y = 0; y < (from.height + 1) / 2; ++y)
+      for (uint32_t x = 0; x < (from.width + 1) / 2; ++x) {
+        size_t taps[4];
+        uint32_t count = 0;
+        for (uint32_t j = 2 * y; j < std::min(2 * y + 2, from.height); ++j)
+          for (uint32_t i = 2 * x; i < std::min(2 * x + 2, from.width); ++i)
+            if (from.valid[size_t{j} * from.width + i]) taps[count++] = size_t{j} * from.width + i;
+        if (count == 0) continue;
+        const size_t at = size_t{y0 + y} * to.width + x0 + x;
+        to.valid[at] = 1;
+        for (uint32_t b = 0; b < bands; ++b) {
+          double sum = 0.0;
+          for (uint32_t t = 0; t < count; ++t) sum += static_cast<double>(from.values[taps[t] * bands + b]);
+          to.values[at * bands + b] = static_cast<float>(sum / count);
+        }
       }
-      if (count == 0) continue;
-      const size_t at = size_t{y} * out.data.width + x;
-      out.data.valid[at] = 1;
-      for (uint32_t b = 0; b < bands; ++b) out.data.values[at * bands + b] = static_cast<float>(sum[b] / count);
-    }
+  }
   return out;
 }
 

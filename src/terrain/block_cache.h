@@ -21,10 +21,13 @@ class BlockCache {
     RasterBlock data;
     bool all_valid = false;
   };
-  /// Changes a block after it was read from the raster (only reductions that the raster itself offers).
+  /// Changes a block after it was read from the raster (not those that are averaged from others).
   using Filter = std::function<void(RasterBlock& block, uint32_t reduction, uint32_t bx, uint32_t by)>;
 
-  explicit BlockCache(std::shared_ptr<Raster> raster, uint64_t budget_bytes = 384u << 20, Filter filter = {});
+  static constexpr uint64_t kBudgetBytes = 384u << 20;
+  /// `reduces`: whether reductions may be averaged here instead of being read.
+  explicit BlockCache(std::shared_ptr<Raster> raster, uint64_t budget_bytes = kBudgetBytes, Filter filter = {},
+                      bool reduces = true);
 
   const RasterInfo& info() const { return info_; }
   std::shared_ptr<const Block> block(uint32_t reduction, uint32_t bx, uint32_t by) const;

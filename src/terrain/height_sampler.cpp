@@ -79,21 +79,25 @@ HeightSampler::HeightSampler(std::vector<std::shared_ptr<Raster>> elevation, boo
     if (raster->info().vertical == VerticalDatum::ellipsoid) needs_undulation_ = true;
     layers_.push_back(std::make_unique<BlockCache>(std::move(raster)));
   }
-  deepest_land_m_ = find_deepest_land_m();
+  find_range();
 }
 
-double HeightSampler::find_deepest_land_m() const {
-  // The default data's land is never below the geoid; the geoid is at most 107 m below the ellipsoid.
-  double lowest = 0.0;
+void HeightSampler::find_range() {
+  // The default Earth is known: its land lies between the geoid and Mt Everest.
+  double lowest = 0.0, highest = has_default_ ? 6100.0 : 0.0;
   for (size_t i = has_default_ ? 1 : 0; i < layers_.size(); ++i) {
     const BlockCache& raster = *layers_[i];
     uint32_t k = 0;
     while (std::max(raster.width_at(k), raster.height_at(k)) > Raster::kBlockSize) ++k;
     const auto block = raster.block(k, 0, 0);
-    for (size_t p = 0; p < block->data.valid.size(); ++p)
-      if (block->data.valid[p]) lowest = std::min(lowest, static_cast<double>(block->data.values[p]));
+    for (size_t p = 0; p < block->data.valid.size(); ++p) {
+      if (!block->data.valid[p]) continue;
+      lowest = std::min(lowest, static_cast<double>(block->data.values[p]));
+      highest = std::max(highest, static_cast<double>(block->data.values[p]));
+    }
   }
-  return 300.0 - 1.5 * lowest;
+  deepest_land_m_ = 300.0 - 1.5 * lowest;
+  highest_land_m_ = 300.0 + 1.5 * highest;
 }
 
 double HeightSampler::undulation_m(double lat_deg, double lon_deg) const {

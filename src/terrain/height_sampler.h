@@ -58,6 +58,8 @@ class HeightSampler {
   double finest_pixel_deg(const TileBounds& tile) const;
   /// How far below the ellipsoid land may lie, m: a guess from the rasters' coarsest reductions with a wide margin.
   double deepest_land_m() const { return deepest_land_m_; }
+  /// How high above the ellipsoid land may rise, m; found in the same way.
+  double highest_land_m() const { return highest_land_m_; }
   const BlockCache* default_data() const { return has_default_ ? layers_.front().get() : nullptr; }
   uint64_t blocks_read() const;
 
@@ -71,13 +73,13 @@ class HeightSampler {
                     const double* undulation_m, Field& out) const;
   std::vector<double> undulations_m(std::span<const double> lat_deg, std::span<const double> lon_deg) const;
   bool is_sea(const Field& field, size_t place) const;
-  double find_deepest_land_m() const;
+  void find_range();
 
   std::vector<std::unique_ptr<BlockCache>> layers_;  // bottom first
   bool has_default_ = false;
   std::shared_ptr<const Geoid> geoid_;
   bool needs_undulation_ = false;  // some raster is above the ellipsoid
-  double deepest_land_m_ = 500.0;
+  double deepest_land_m_ = 0.0, highest_land_m_ = 0.0;
 };
 
 /// A longitude in [-180, 180): the two sides of the antimeridian are one place.

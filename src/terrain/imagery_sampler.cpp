@@ -10,8 +10,7 @@ namespace nepho {
 
 namespace {
 
-constexpr float kNoImagery = 124.0f;     // sRGB of albedo 0.2
-constexpr uint32_t kFillReductions = 5;  // land colours are looked for as far as 2^5 texels away
+constexpr float kNoImagery = 124.0f;  // sRGB of albedo 0.2
 
 /// Four floats at once: a colour.
 using Colour = float __attribute__((vector_size(16)));
@@ -63,6 +62,7 @@ RasterCoverage lay_over(const BlockCache& raster, uint32_t reduction, std::span<
 }
 
 namespace {
+
 bool overlaps(const LonLatBounds& b, const TileBounds& t) {
   if (t.south_deg >= b.north_deg || t.north_deg <= b.south_deg) return false;
   for (const double shift : {-360.0, 0.0, 360.0})
@@ -70,47 +70,84 @@ bool overlaps(const LonLatBounds& b, const TileBounds& t) {
   return false;
 }
 
+/// Centres of a block's pixels.
+struct PixelCentres {
+  std::vector<double> lat, lon;
+};
+PixelCentres centres_of(const RasterInfo& info, const RasterBlock& block, uint32_t reduction, uint32_t bx,
+                        uint32_t by) {
+  const double step = std::ldexp(1.0, static_cast<int>(reduction));
+  const double dx = (info.bounds.east_deg - info.bounds.west_deg) / info.width * step;
+  const double dy = (info.bounds.north_deg - info.bounds.south_deg) / info.height * step;
+  PixelCentres c;
+  for (uint32_t i = 0; i < block.width; ++i)
+    c.lon.push_back(info.bounds.west_deg + (bx * Raster::kBlockSize + static_cast<double>(i) + 0.5) * dx);
+  for (uint32_t j = 0; j < block.height; ++j)
+    c.lat.push_back(info.bounds.north_deg - (by * Raster::kBlockSize + static_cast<double>(j) + 0.5) * dy);
+  return c;
+}
+
+/// A global picture whose sea is painted over with the colours of the land around.
+class LandPicture final : public Raster {
+ public:
+  LandPicture(std::shared_ptr<Raster> picture, const HeightSampler& ground)
+      : info_(picture->info()),
+        land_only_(std::move(picture), BlockCache::kBudgetBytes,
+                   [this, &ground](RasterBlock& block, uint32_t k, uint32_t bx, uint32_t by) {
+                     const PixelCentres c = centres_of(info_, block, k, bx, by);
+                     std::vector<float> land(block.valid.size());
+                     const double spacing = (info_.bounds.north_deg - info_.bounds.south_deg) / info_.height;
+                     ground.land_field_m(c.lat, c.lon, std::ldexp(spacing, static_cast<int>(k)), land.data());
+                     for (size_t p = 0; p < land.size(); ++p)
+                       if (land[p] <= 0.0f) block.valid[p] = 0;
+                   }) {
+    while (std::max(land_only_.width_at(last_), land_only_.height_at(last_)) > 1) ++last_;
+  }
+  const RasterInfo& info() const override { return info_; }
+  uint32_t reductions() const override { return last_ + 1; }
+  const BlockCache& land_only() const { return land_only_; }
+  void fill_from(const BlockCache& filled) { filled_ = &filled; }
+
+  Result<RasterBlock> read_block(uint32_t k, uint32_t bx, uint32_t by) const override {
+    RasterBlock block = land_only_.block(k, bx, by)->data;
+    if (k >= last_ || std::all_of(block.valid.begin(), block.valid.end(), [](uint8_t v) { return v != 0; }))
+      return block;
+    const PixelCentres c = centres_of(info_, block, k, bx, by);
+    std::vector<float> around(block.valid.size() * 4);
+    lay_over(*filled_, k + 1, c.lat, c.lon, around.data());
+    for (size_t p = 0; p < block.valid.size(); ++p) {
+      if (block.valid[p]) continue;
+      for (uint32_t b = 0; b < info_.bands; ++b) block.values[p * info_.bands + b] = around[p * 4 + std::min(b, 2u)];
+      block.valid[p] = 1;
+    }
+    return block;
+  }
+
+ private:
+  RasterInfo info_;
+  BlockCache land_only_;
+  uint32_t last_ = 0;
+  const BlockCache* filled_ = nullptr;  // this picture's own blocks
+};
+
 }  // namespace
 
-ImagerySampler::ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, const HeightSampler& ground)
-    : ground_(ground) {
-  if (!imagery.empty() && imagery.front()->info().wraps && ground_.default_data()) {
-    const RasterInfo info = imagery.front()->info();
-    const auto drop_sea = [this, info](RasterBlock& block, uint32_t reduction, uint32_t bx, uint32_t by) {
-      const double step = std::ldexp(1.0, static_cast<int>(reduction));
-      const double dx = (info.bounds.east_deg - info.bounds.west_deg) / info.width * step;
-      const double dy = (info.bounds.north_deg - info.bounds.south_deg) / info.height * step;
-      std::vector<double> lon(block.width), lat(block.height);
-      for (size_t i = 0; i < lon.size(); ++i)
-        lon[i] = info.bounds.west_deg + (bx * Raster::kBlockSize + static_cast<double>(i) + 0.5) * dx;
-      for (size_t j = 0; j < lat.size(); ++j)
-        lat[j] = info.bounds.north_deg - (by * Raster::kBlockSize + static_cast<double>(j) + 0.5) * dy;
-      std::vector<float> land(lon.size() * lat.size());
-      ground_.land_field_m(lat, lon, dy, land.data());
-      for (size_t p = 0; p < land.size(); ++p)
-        if (land[p] <= 0.0f) block.valid[p] = 0;
-    };
-    land_only_ = std::make_unique<BlockCache>(imagery.front(), 192u << 20, drop_sea);
+ImagerySampler::ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, const HeightSampler& ground) {
+  for (auto& raster : imagery) {
+    if (!layers_.empty() || !raster->info().wraps || !ground.default_data()) {
+      layers_.push_back(std::make_unique<BlockCache>(std::move(raster)));
+      continue;
+    }
+    auto land = std::make_shared<LandPicture>(std::move(raster), ground);
+    layers_.push_back(std::make_unique<BlockCache>(land, BlockCache::kBudgetBytes, BlockCache::Filter{}, false));
+    land->fill_from(*layers_.back());
   }
-  for (auto& raster : imagery) layers_.push_back(std::make_unique<BlockCache>(std::move(raster)));
 }
 
 void ImagerySampler::colours(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
                              float* rgbx) const {
   std::fill_n(rgbx, lat_deg.size() * lon_deg.size() * 4, kNoImagery);
-  std::vector<float> bare;
-  for (size_t l = 0; l < layers_.size(); ++l) {
-    const BlockCache& raster = *layers_[l];
-    const uint32_t k = raster.reduction_for(spacing_deg);
-    if (l > 0 || !land_only_) {
-      lay_over(raster, k, lat_deg, lon_deg, rgbx);
-      continue;
-    }
-    // Mostly no sea is near and one look is enough; else from the coarsest land to the finest over the raster as it is.
-    if (lay_over(*land_only_, k, lat_deg, lon_deg, rgbx) == RasterCoverage::all) continue;
-    lay_over(raster, k, lat_deg, lon_deg, rgbx);
-    for (uint32_t up = kFillReductions + 1; up-- > 0;) lay_over(*land_only_, k + up, lat_deg, lon_deg, rgbx);
-  }
+  for (const auto& layer : layers_) lay_over(*layer, layer->reduction_for(spacing_deg), lat_deg, lon_deg, rgbx);
 }
 
 double ImagerySampler::finest_pixel_deg(const TileBounds& tile) const {
@@ -121,7 +158,7 @@ double ImagerySampler::finest_pixel_deg(const TileBounds& tile) const {
 }
 
 uint64_t ImagerySampler::blocks_read() const {
-  uint64_t n = land_only_ ? land_only_->blocks_read() : 0;
+  uint64_t n = 0;
   for (const auto& layer : layers_) n += layer->blocks_read();
   return n;
 }

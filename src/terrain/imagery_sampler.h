@@ -22,8 +22,8 @@ RasterCoverage lay_over(const BlockCache& raster, uint32_t reduction, std::span<
 /// even grey of albedo 0.2.
 ///
 /// The bottom raster, where it spans the globe, knows no coast finer than its own texels: its ocean colours would rim
-/// the land. Its texels that lie in the sea are therefore left out, and land texels near them take the mean of land
-/// texels further around (from coarser reductions, until one has land).
+/// the land. Its texels that lie in the sea are therefore replaced by the mean of land texels around them, taken from
+/// coarser reductions until one has land.
 class ImagerySampler {
  public:
   /// `ground` says what is sea; it must outlive this object.
@@ -36,9 +36,7 @@ class ImagerySampler {
   uint64_t blocks_read() const;
 
  private:
-  const HeightSampler& ground_;
   std::vector<std::unique_ptr<BlockCache>> layers_;
-  std::unique_ptr<BlockCache> land_only_;  // the bottom raster without its sea
 };
 
 }  // namespace nepho

@@ -63,11 +63,10 @@ Terrain::Terrain(gpu::Device& device, TerrainSources sources, const TerrainParam
                                                      .fragment_spirv = terrain_frag,
                                                      .color_formats = {Format::rg32u}});
   resolve_pipeline_ = gpu::ComputePipeline(device_, {.name = "terrain.resolve", .spirv = terrain_resolve_comp});
-  const TileTopologies topologies = make_topologies();
-  std::copy(std::begin(topologies.ranges), std::end(topologies.ranges), topologies_);
+  topologies_ = make_topologies();
   indices_ =
-      device_.create_buffer({.name = "terrain.indices", .size_bytes = topologies.indices.size() * sizeof(uint32_t)});
-  const gpu::BufferUpload upload{&indices_, 0, bytes_of(topologies.indices)};
+      device_.create_buffer({.name = "terrain.indices", .size_bytes = topologies_.indices.size() * sizeof(uint32_t)});
+  const gpu::BufferUpload upload{&indices_, 0, bytes_of(topologies_.indices)};
   device_.upload({}, std::span(&upload, 1));
   make_atlases(kFirstSlots);
   load_night_lights(sources.night_lights);
@@ -139,6 +138,22 @@ void Terrain::load_night_lights(const std::shared_ptr<Raster>& raster) {
   device_.upload(uploads);
 }
 
+template <typename F>
+void Terrain::for_each_range(const SelectedTile& s, F&& visit) const {
+  TileTopologies::Range joined{0, 0};
+  for (uint32_t q = 0; q < 4; ++q) {
+    const TileTopologies::Range r = topologies_.quarters[s.edges & 15u][q];
+    if (!(s.quarters & (1u << q))) continue;
+    if (joined.count > 0 && joined.first + joined.count == r.first) {
+      joined.count += r.count;
+      continue;
+    }
+    if (joined.count > 0) visit(joined);
+    joined = r;
+  }
+  if (joined.count > 0) visit(joined);
+}
+
 void Terrain::prepare(const FrameInfo& frame) {
   ++frame_;
   auto start = std::chrono::steady_clock::now();
@@ -177,7 +192,7 @@ void Terrain::prepare(const FrameInfo& frame) {
   stats_.triangles = 0;
   stats_.deepest_level = 0;
   for (const SelectedTile& s : selected_) {
-    stats_.triangles += topologies_[s.edges & 15u].count / 3;
+    for_each_range(s, [&](TileTopologies::Range range) { stats_.triangles += range.count / 3; });
     stats_.deepest_level = std::max(stats_.deepest_level, s.tile.level);
   }
   stats_.blocks_read = ground_.blocks_read() + imagery_.blocks_read();
@@ -222,7 +237,8 @@ void Terrain::load(const std::vector<TileId>& missing) {
 Terrain::Outputs Terrain::add(FrameGraph& graph, const FrameInfo& frame) const {
   std::vector<shared::TerrainTile> tiles;
   struct Draw {
-    uint32_t first, count;
+    TileTopologies::Range range;
+    uint32_t tile;
   };
   std::vector<Draw> draws;
   for (const SelectedTile& s : selected_) {
@@ -234,8 +250,8 @@ Terrain::Outputs Terrain::add(FrameGraph& graph, const FrameInfo& frame) const {
     t.map_origin = glm::vec2((b.west_deg + 180.0) / 360.0, (90.0 - b.north_deg) / 180.0);
     t.map_size = glm::vec2(tile_size_deg(s.tile.level) / 360.0, tile_size_deg(s.tile.level) / 180.0);
     tiles.push_back(t);
-    const TileTopologies::Range range = topologies_[s.edges & 15u];
-    draws.push_back({range.first, range.count});
+    const auto index = static_cast<uint32_t>(tiles.size() - 1);
+    for_each_range(s, [&](TileTopologies::Range range) { draws.push_back({range, index}); });
   }
   if (tiles.empty()) tiles.emplace_back();  // buffers are never empty
   const BufferRef tile_buffer = graph.constants("terrain.tiles", tiles);
@@ -255,7 +271,7 @@ Terrain::Outputs Terrain::add(FrameGraph& graph, const FrameInfo& frame) const {
       .index_buffer(graph.import(indices_))
       .record([this, draws, push = shared::TerrainRasterPush{camera.hi, camera.lo}](gpu::Commands& cmd) {
         cmd.bind(raster_pipeline_).push(push);
-        for (uint32_t i = 0; i < draws.size(); ++i) cmd.draw_indexed(draws[i].count, draws[i].first, 1, i);
+        for (const Draw& d : draws) cmd.draw_indexed(d.range.count, d.range.first, 1, d.tile);
       });
   graph.pass("terrain.resolve")
       .uniform("frame", frame.buffer)

@@ -73,6 +73,9 @@ class Terrain {
   void load_night_lights(const std::shared_ptr<Raster>& raster);
   void load(const std::vector<TileId>& missing);
   uint32_t take_slot(const TileId& tile);
+  /// Index ranges of a tile's visible quarters, neighbouring ones as one.
+  template <typename F>
+  void for_each_range(const SelectedTile& s, F&& visit) const;
 
   gpu::Device& device_;
   TerrainParams params_;
@@ -83,7 +86,7 @@ class Terrain {
 
   gpu::GraphicsPipeline raster_pipeline_;
   gpu::ComputePipeline resolve_pipeline_;
-  TileTopologies::Range topologies_[16];
+  TileTopologies topologies_;
   gpu::Buffer indices_, vertices_;
   gpu::Image imagery_atlas_, slope_atlas_, night_map_;
 

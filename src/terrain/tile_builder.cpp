@@ -51,6 +51,34 @@ TexelGrid texel_grid(const TileId& tile, uint32_t texels) {
 
 double imagery_texel_deg(uint32_t level) { return texel_deg(level, kImageryTexels); }
 
+namespace {
+/// How deep the middle of a mesh cell's diagonal lies below the ellipsoid.
+double sagitta_m(const TileId& tile, const Ellipsoid& ellipsoid) {
+  const double spacing_m = vertex_spacing_deg(tile.level) * kMetresPerDegree;
+  return spacing_m * spacing_m / (4.0 * ellipsoid.b_m);
+}
+}  // namespace
+
+double TileBuilder::unseen_relief_m(const TileId& tile) const {
+  const double spacing = vertex_spacing_deg(tile.level);
+  return ground_.finest_pixel_deg(tile_bounds(tile)) < kFiner * spacing ? kUnseenRelief * spacing * kMetresPerDegree
+                                                                        : 0.0;
+}
+
+double TileBuilder::least_error_m(const TileId& tile) const {
+  // Twice the sagitta: silhouettes keep to half a pixel.
+  double error = unseen_relief_m(tile) + 2.0 * sagitta_m(tile, ellipsoid_);
+  const TileBounds bounds = tile_bounds(tile);
+  const double imagery_texel = texel_deg(tile.level, kImageryTexels), slope_texel = texel_deg(tile.level, kSlopeTexels);
+  if (imagery_.finest_pixel_deg(bounds) < kFiner * imagery_texel)
+    error = std::max(error, imagery_texel * kMetresPerDegree / kImageryTexelPx);
+  if (ground_.finest_pixel_deg(bounds) < kFiner * slope_texel)
+    error = std::max(error, slope_texel * kMetresPerDegree / kSlopeTexelPx);
+  return error;
+}
+
+HeightRange TileBuilder::height_range() const { return {-ground_.deepest_land_m(), ground_.highest_land_m()}; }
+
 TileMeta TileBuilder::make_meta(const TileId& tile) const {
   const std::vector<double> lats = vertex_lats_deg(tile), lons = vertex_lons_deg(tile);
   constexpr size_t n = kTileVerticesPerSide, fine_n = 2 * kTileQuads + 1;
@@ -76,18 +104,7 @@ TileMeta TileBuilder::make_meta(const TileId& tile) const {
       deviation = std::max(deviation, std::abs(f - drawn));
     }
 
-  const double spacing_m = spacing * kMetresPerDegree;
-  const TileBounds bounds = tile_bounds(tile);
-  const double elevation_pixel = ground_.finest_pixel_deg(bounds), imagery_pixel = imagery_.finest_pixel_deg(bounds);
-  double error = 2.0 * deviation;
-  if (elevation_pixel < kFiner * spacing) error = std::max(error, kUnseenRelief * spacing_m);
-  const double geometric = error;
-  error += 2.0 * spacing_m * spacing_m / (4.0 * ellipsoid_.b_m);  // half a pixel of the whole for the silhouette
-  const double imagery_texel = texel_deg(tile.level, kImageryTexels), slope_texel = texel_deg(tile.level, kSlopeTexels);
-  if (imagery_pixel < kFiner * imagery_texel)
-    error = std::max(error, imagery_texel * kMetresPerDegree / kImageryTexelPx);
-  if (elevation_pixel < kFiner * slope_texel) error = std::max(error, slope_texel * kMetresPerDegree / kSlopeTexelPx);
-
+  const double relief = std::max(deviation, unseen_relief_m(tile));
   double low_n = 1e9, high_n = -1e9;
   for (size_t j = 0; j < n; j += kTileQuads / 4)
     for (size_t i = 0; i < n; i += kTileQuads / 4) {
@@ -97,12 +114,10 @@ TileMeta TileBuilder::make_meta(const TileId& tile) const {
     }
   const double geoid_margin = std::min(60.0, 1.0 + 10.0 * tile_size_deg(tile.level));
   TileMeta meta;
-  // Border vertices may be a coarser level's, which are within twice this level's error of it; and data between the
-  // finer vertices may stand out.
-  meta.min_m = lowest + low_n - geoid_margin - 2.0 * geometric;
-  meta.max_m = highest + high_n + geoid_margin + 2.0 * geometric;
-  meta.error_m = error;
-  meta.volume = make_tile_volume(tile, meta.min_m, meta.max_m, ellipsoid_);
+  // Border vertices may be a coarser level's, and data between the finer vertices may stand out.
+  meta.heights = {lowest + low_n - geoid_margin - 3.0 * relief, highest + high_n + geoid_margin + 3.0 * relief};
+  meta.error_m = std::max(deviation + 2.0 * sagitta_m(tile, ellipsoid_), least_error_m(tile));
+  meta.volume = make_tile_volume(tile, meta.heights.min_m, meta.heights.max_m, ellipsoid_);
   return meta;
 }
 
@@ -124,11 +139,19 @@ void TileBuilder::make_imagery(const TileId& tile, TileData& out) const {
   std::vector<float> land(n * n);
   ground_.land_field_m(g.lat, g.lon, texel, land.data());
   std::vector<uint8_t> rgba(size_t{n} * n * 4, 0);
-  bool any_land = false;
+  const bool any_land = std::any_of(land.begin(), land.end(), [](float f) { return f > 0.0f; });
+  const bool any_sea = std::any_of(land.begin(), land.end(), [](float f) { return f <= 0.0f; });
+  if (any_land) {
+    std::vector<float> colour(size_t{n} * n * 4);
+    imagery_.colours(g.lat, g.lon, texel, colour.data());
+    for (size_t p = 0; p < rgba.size(); ++p) rgba[p] = static_cast<uint8_t>(std::clamp(colour[p], 0.0f, 255.0f) + 0.5f);
+  }
   for (uint32_t j = 0; j < n; ++j)
     for (uint32_t i = 0; i < n; ++i) {
+      uint8_t& alpha = rgba[(size_t{j} * n + i) * 4 + 3];
+      alpha = any_land ? 0 : 255;
+      if (!any_land || !any_sea) continue;
       const float f = land[j * n + i];
-      any_land |= f > 0.0f;
       const uint32_t i0 = i > 0 ? i - 1 : 0, i1 = std::min(i + 1, n - 1), j0 = j > 0 ? j - 1 : 0,
                      j1 = std::min(j + 1, n - 1);
       const float gx = (land[j * n + i1] - land[j * n + i0]) / static_cast<float>(i1 - i0);
@@ -136,16 +159,9 @@ void TileBuilder::make_imagery(const TileId& tile, TileData& out) const {
       // Distance to the coast in texels, from the height and its gradient; flat water at exactly 0 m is all water.
       const float gradient = std::max(std::sqrt(gx * gx + gy * gy), 1e-6f);
       const float water = std::clamp((1e-3f - f) / gradient / kCoastTexels, -1.0f, 1.0f);
-      rgba[(size_t{j} * n + i) * 4 + 3] = static_cast<uint8_t>(f <= 0.0f ? 128.0f + 127.0f * std::max(water, 0.0f)
-                                                                         : 127.0f + 127.0f * std::min(water, 0.0f));
+      alpha = static_cast<uint8_t>(f <= 0.0f ? 128.0f + 127.0f * std::max(water, 0.0f)
+                                             : 127.0f + 127.0f * std::min(water, 0.0f));
     }
-  if (any_land) {
-    std::vector<float> colour(size_t{n} * n * 4);
-    imagery_.colours(g.lat, g.lon, texel, colour.data());
-    for (size_t p = 0; p < size_t{n} * n; ++p)
-      for (size_t b = 0; b < 3; ++b)
-        rgba[p * 4 + b] = static_cast<uint8_t>(std::clamp(colour[p * 4 + b], 0.0f, 255.0f) + 0.5f);
-  }
   out.imagery.push_back(std::move(rgba));
   for (uint32_t mip = 1; mip < shared::kTerrainImageryMips; ++mip) {
     const std::vector<uint8_t>& from = out.imagery.back();

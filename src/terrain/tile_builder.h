@@ -25,12 +25,16 @@ class TileBuilder {
   TileBuilder(const HeightSampler& ground, const ImagerySampler& imagery, const Ellipsoid& ellipsoid)
       : ground_(ground), imagery_(imagery), ellipsoid_(ellipsoid) {}
 
-  /// Heights and error of a tile: the greatest distance between its triangles and the next finer level's vertices,
-  /// doubled for all levels below that one, and the ellipsoid's sagitta.
+  /// Heights and error of a tile: the greatest distance between its triangles and the next finer level's vertices, or
+  /// what finer data not looked at may hide, and twice the ellipsoid's sagitta.
   TileMeta make_meta(const TileId& tile) const;
+  /// The part of the error that needs no data: sagitta, texture needs, data finer than the vertices.
+  double least_error_m(const TileId& tile) const;
+  HeightRange height_range() const;
   TileData make_data(const TileId& tile) const;
 
  private:
+  double unseen_relief_m(const TileId& tile) const;
   void make_imagery(const TileId& tile, TileData& out) const;
   void make_slopes(const TileId& tile, TileData& out) const;
   const HeightSampler& ground_;
@@ -42,6 +46,8 @@ class TileBuilder {
 class TileMetaCache final : public TileMetaSource {
  public:
   explicit TileMetaCache(const TileBuilder& builder) : builder_(builder) {}
+  double least_error_m(const TileId& tile) const override { return builder_.least_error_m(tile); }
+  HeightRange height_range() const override { return builder_.height_range(); }
   void prepare(std::span<const TileId> tiles) override;
   const TileMeta& meta(const TileId& tile) override;
   size_t size() const { return metas_.size(); }

@@ -115,7 +115,6 @@ uint32_t drawn_vertex(uint32_t column, uint32_t row, uint8_t edges) {
 TileTopologies make_topologies() {
   TileTopologies out;
   for (uint32_t edges = 0; edges < 16; ++edges) {
-    out.ranges[edges].first = static_cast<uint32_t>(out.indices.size());
     const auto vertex = [&](uint32_t i, uint32_t j) {
       if (((j == 0 && (edges & kEdgeNorth)) || (j == kTileQuads && (edges & kEdgeSouth))) && (i & 1)) --i;
       if (((i == 0 && (edges & kEdgeWest)) || (i == kTileQuads && (edges & kEdgeEast))) && (j & 1)) --j;
@@ -125,16 +124,22 @@ TileTopologies make_topologies() {
       if (a == b || b == c || c == a) return;
       out.indices.insert(out.indices.end(), {a, b, c});
     };
-    for (uint32_t j = 0; j < kTileQuads; ++j)
-      for (uint32_t i = 0; i < kTileQuads; ++i) {
-        const uint32_t nw = vertex(i, j), ne = vertex(i + 1, j), sw = vertex(i, j + 1), se = vertex(i + 1, j + 1);
-        // Where two coarser edges meet in the south-east, the usual diagonal would leave a triangle without area.
-        const bool other_diagonal =
-            i == kTileQuads - 1 && j == kTileQuads - 1 && (edges & kEdgeSouth) && (edges & kEdgeEast);
-        triangle(nw, sw, other_diagonal ? se : ne);
-        triangle(other_diagonal ? nw : ne, other_diagonal ? se : sw, other_diagonal ? ne : se);
-      }
-    out.ranges[edges].count = static_cast<uint32_t>(out.indices.size()) - out.ranges[edges].first;
+    for (uint32_t quarter = 0; quarter < 4; ++quarter) {
+      TileTopologies::Range& range = out.quarters[edges][quarter];
+      range.first = static_cast<uint32_t>(out.indices.size());
+      constexpr uint32_t kHalf = kTileQuads / 2;
+      const uint32_t i0 = (quarter & 1) * kHalf, j0 = (quarter >> 1) * kHalf;
+      for (uint32_t j = j0; j < j0 + kHalf; ++j)
+        for (uint32_t i = i0; i < i0 + kHalf; ++i) {
+          const uint32_t nw = vertex(i, j), ne = vertex(i + 1, j), sw = vertex(i, j + 1), se = vertex(i + 1, j + 1);
+          // Where two coarser edges meet in the south-east, the usual diagonal would leave a triangle without area.
+          const bool other_diagonal =
+              i == kTileQuads - 1 && j == kTileQuads - 1 && (edges & kEdgeSouth) && (edges & kEdgeEast);
+          triangle(nw, sw, other_diagonal ? se : ne);
+          triangle(other_diagonal ? nw : ne, other_diagonal ? se : sw, other_diagonal ? ne : se);
+        }
+      range.count = static_cast<uint32_t>(out.indices.size()) - range.first;
+    }
   }
   return out;
 }

@@ -53,13 +53,19 @@ std::vector<SplitVertex> tile_vertices(const TileId& tile, const HeightSampler& 
 uint32_t drawn_vertex(uint32_t column, uint32_t row, uint8_t edges);
 
 /// Triangles, counter-clockwise from outside, for each of the 16 sets of coarser edges (kEdgeNorth..kEdgeWest), as grid
-/// indices row * 65 + column: border vertices that a coarser neighbour lacks are left out.
+/// indices row * 65 + column: border vertices that a coarser neighbour lacks are left out. Sorted by quarter of the
+/// tile (north-west, north-east, south-west, south-east), so that hidden ones need not be drawn.
 struct TileTopologies {
   struct Range {
     uint32_t first = 0, count = 0;
   };
   std::vector<uint32_t> indices;
-  Range ranges[16];
+  Range quarters[16][4];
+  /// All four quarters, which follow each other.
+  Range whole(uint32_t edges) const {
+    const auto& q = quarters[edges];
+    return {q[0].first, q[0].count + q[1].count + q[2].count + q[3].count};
+  }
 };
 TileTopologies make_topologies();
 

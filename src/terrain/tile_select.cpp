@@ -24,7 +24,7 @@ class Selection {
     }
     std::vector<SelectedTile> out;
     out.reserve(leaves_.size());
-    for (const auto& [tile, distance] : leaves_) out.push_back({tile, edges_of(tile), distance});
+    for (const auto& [tile, distance] : leaves_) out.push_back({tile, edges_of(tile), quarters_of(tile), distance});
     std::sort(out.begin(), out.end(), [](const SelectedTile& a, const SelectedTile& b) {
       return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : a.tile < b.tile;
     });
@@ -34,21 +34,38 @@ class Selection {
  private:
   bool hidden(const TileVolume& volume) const { return outside_frustum(volume, view_) || below_horizon(volume, view_); }
 
-  /// Children of `parents` that may be visible.
-  std::vector<TileId> visible_children(std::span<const TileId> parents) {
-    std::vector<TileId> maybe, visible;
-    for (const TileId& parent : parents) {
-      const TileMeta& m = source_.meta(parent);
-      for (uint32_t i = 0; i < 4; ++i) {
-        const TileId child = tile_child(parent, i);
-        // The parent's heights bound the child's: most hidden tiles are found without looking at their data.
-        if (!hidden(make_tile_volume(child, m.min_m, m.max_m, view_.ellipsoid))) maybe.push_back(child);
-      }
-    }
-    source_.prepare(maybe);
-    for (const TileId& tile : maybe)
-      if (!hidden(source_.meta(tile).volume)) visible.push_back(tile);
-    return visible;
+  /// A tile on the way down, with what is known of its heights so far.
+  struct Candidate {
+    TileId tile;
+    HeightRange heights;
+    TileVolume volume;
+  };
+
+  /// Children that may be visible by their parent's heights: most hidden tiles are found without looking at their data.
+  void add_children(const Candidate& parent, std::vector<Candidate>& out) const {
+    for (uint32_t i = 0; i < 4; ++i) add_if_visible(tile_child(parent.tile, i), parent.heights, out);
+  }
+  void add_if_visible(const TileId& tile, const HeightRange& heights, std::vector<Candidate>& out) const {
+    const TileVolume volume = make_tile_volume(tile, heights.min_m, heights.max_m, view_.ellipsoid);
+    if (!hidden(volume)) out.push_back({tile, heights, volume});
+  }
+
+  double limit_m(const TileVolume& volume) const {
+    const double distance = std::max(volume.distance_m(view_.camera_ecef_m), kNearestDistance);
+    return view_.screen_error_px * view_.pixel_angle_rad * distance;
+  }
+
+  /// Looks at the data of candidates and drops those that turn out hidden.
+  void look_at(std::vector<Candidate>& candidates) {
+    std::vector<TileId> tiles;
+    for (const Candidate& c : candidates) tiles.push_back(c.tile);
+    source_.prepare(tiles);
+    std::erase_if(candidates, [&](Candidate& c) {
+      const TileMeta& m = source_.meta(c.tile);
+      c.heights = m.heights;
+      c.volume = m.volume;
+      return hidden(c.volume);
+    });
   }
 
   void add_leaf(const TileId& tile, double distance) {
@@ -60,21 +77,26 @@ class Selection {
   }
 
   void refine() {
-    std::vector<TileId> tiles = {{0, 0, 0}, {0, 1, 0}};
-    source_.prepare(tiles);
-    std::erase_if(tiles, [&](const TileId& t) { return hidden(source_.meta(t).volume); });
-    while (!tiles.empty()) {
-      std::vector<TileId> split;
-      for (const TileId& tile : tiles) {
-        const TileMeta& m = source_.meta(tile);
-        const double distance = m.volume.distance_m(view_.camera_ecef_m);
-        const double limit = view_.screen_error_px * view_.pixel_angle_rad * std::max(distance, kNearestDistance);
-        if (m.error_m > limit && tile.level < max_level_ && may_split(tile))
-          split.push_back(tile);
+    std::vector<Candidate> candidates;
+    for (uint32_t x = 0; x < 2; ++x) add_if_visible({0, x, 0}, source_.height_range(), candidates);
+    while (!candidates.empty()) {
+      std::vector<Candidate> next, unsure;
+      for (const Candidate& c : candidates) {
+        const bool can_split = c.tile.level < max_level_ && may_split(c.tile);
+        if (can_split && source_.least_error_m(c.tile) > limit_m(c.volume))
+          add_children(c, next);
         else
-          add_leaf(tile, distance);
+          unsure.push_back(c);
       }
-      tiles = visible_children(split);
+      look_at(unsure);
+      for (const Candidate& c : unsure) {
+        const bool can_split = c.tile.level < max_level_ && may_split(c.tile);
+        if (can_split && source_.meta(c.tile).error_m > limit_m(c.volume))
+          add_children(c, next);
+        else
+          add_leaf(c.tile, c.volume.distance_m(view_.camera_ecef_m));
+      }
+      candidates = std::move(next);
     }
   }
 
@@ -105,8 +127,10 @@ class Selection {
       leaves_.erase(tile);
       inner_.insert(tile);
     }
-    for (const TileId& tile : visible_children(split))
-      add_leaf(tile, source_.meta(tile).volume.distance_m(view_.camera_ecef_m));
+    std::vector<Candidate> children;
+    for (const TileId& tile : split) add_children({tile, source_.meta(tile).heights, {}}, children);
+    look_at(children);
+    for (const Candidate& c : children) add_leaf(c.tile, c.volume.distance_m(view_.camera_ecef_m));
     return true;
   }
 
@@ -127,6 +151,15 @@ class Selection {
     return static_cast<uint8_t>(bits);
   }
 
+  uint8_t quarters_of(const TileId& tile) {
+    const HeightRange heights = source_.meta(tile).heights;
+    uint32_t bits = 0;
+    for (uint32_t i = 0; i < 4; ++i)
+      if (!hidden(make_tile_volume(tile_child(tile, i), heights.min_m, heights.max_m, view_.ellipsoid)))
+        bits |= 1u << i;
+    return static_cast<uint8_t>(bits);
+  }
+
   const TerrainView& view_;
   TileMetaSource& source_;
   uint32_t max_level_;
@@ -137,7 +170,7 @@ class Selection {
 }  // namespace
 
 bool may_split(const TileId& tile) {
-  constexpr uint32_t kPoleLevel = 7;
+  constexpr uint32_t kPoleLevel = 6;
   if (tile.level < kPoleLevel) return true;
   const uint32_t from_pole = std::min(tile.y, tile_rows(tile.level) - 1 - tile.y);
   return from_pole > (2u << (tile.level - kPoleLevel)) - 2;

@@ -36,7 +36,7 @@ std::map<Place, SplitVertex> border_of(const SelectedTile& s, const HeightSample
   ground.heights_m(vertex_lats_deg(s.tile), vertex_lons_deg(s.tile), s.tile.level, heights.data());
   const std::vector<SplitVertex> vertices = tile_vertices(s.tile, ground, Ellipsoid::wgs84(), heights);
   std::map<Place, SplitVertex> out;
-  const TileTopologies::Range range = topologies.ranges[s.edges & 15u];
+  const TileTopologies::Range range = topologies.whole(s.edges & 15u);
   for (uint32_t i = range.first; i < range.first + range.count; ++i) {
     const uint32_t column = topologies.indices[i] % 65, row = topologies.indices[i] / 65;
     if (column % 64 && row % 64) continue;
@@ -103,7 +103,7 @@ TEST_CASE("every topology covers the tile once, counter-clockwise, without the o
   const TileTopologies t = make_topologies();
   for (uint32_t edges = 0; edges < 16; ++edges) {
     double area = 0.0;
-    const auto [first, count] = t.ranges[edges];
+    const auto [first, count] = t.whole(edges);
     for (uint32_t i = first; i < first + count; i += 3) {
       double x[3], y[3];
       for (uint32_t k = 0; k < 3; ++k) {

@@ -112,8 +112,8 @@ TEST_CASE("a tile's box and height range hold its surface at every finer level")
     for (int i = 0; i < 500; ++i) {
       Geodetic g = Geodetic::from_degrees(lat(random), lon(random));
       g.height_m = world.ground.height_m(g.lat_rad, g.lon_rad, tile.level + static_cast<uint32_t>(i % 2));
-      REQUIRE(g.height_m >= meta.min_m);
-      REQUIRE(g.height_m <= meta.max_m);
+      REQUIRE(g.height_m >= meta.heights.min_m);
+      REQUIRE(g.height_m <= meta.heights.max_m);
       REQUIRE(meta.volume.distance_m(ecef_from_geodetic(g)) == 0.0);
     }
   }
