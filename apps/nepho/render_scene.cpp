@@ -9,6 +9,7 @@
 #include "base/files.h"
 #include "base/log.h"
 #include "io/exr.h"
+#include "io/mapped_raster.h"
 #include "io/png.h"
 #include "rasters/default_earth.h"
 #include "rasters/gdal_opener.h"
@@ -19,6 +20,10 @@ namespace nepho {
 
 namespace {
 using Clock = std::chrono::steady_clock;
+
+// The Blue Marble is stretched until forests are black and deserts glare. These bring its Amazon (sRGB 10 40 10) to an
+// albedo near 0.03 0.04 0.02 and its Sahara (200 170 120) to 0.48 0.34 0.17, as MODIS has them.
+constexpr float kBlueMarbleOffset = 0.02f, kBlueMarbleScale = 0.82f;
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -40,7 +45,9 @@ TerrainSources open_sources(const RasterOpener& opener, const Scene& scene) {
   if (!earth.elevation.empty()) sources.elevation.push_back(opener.open_elevation(earth.elevation));
   sources.has_default = !sources.elevation.empty();
   for (const std::string& file : scene.terrain.elevation) sources.elevation.push_back(opener.open_elevation(file));
-  if (!earth.imagery.empty()) sources.imagery.push_back(opener.open_imagery(earth.imagery));
+  if (!earth.imagery.empty())
+    sources.imagery.push_back(
+        make_mapped_imagery(opener.open_imagery(earth.imagery), albedo_curve(kBlueMarbleOffset, kBlueMarbleScale)));
   for (const std::string& file : scene.imagery.files) sources.imagery.push_back(opener.open_imagery(file));
   if (!earth.night.empty()) sources.night_lights = opener.open_imagery(earth.night);
   sources.geoid = std::make_shared<const Geoid>(Geoid::egm96());

@@ -26,6 +26,7 @@ struct TonemapPush {
   uvec2 size;
   uint curve;                   // kTone... of common/tonemap.h
   uint seed;                    // of the dither
+  mat3 white_balance;           // linear Rec. 709 to itself: the chosen daylight becomes white
 };
 
 struct ExposureState {

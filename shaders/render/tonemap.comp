@@ -15,7 +15,8 @@ float gradient_noise(vec2 p) { return fract(52.9829189 * fract(dot(p, vec2(0.067
 void main() {
   uvec2 pixel = gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(pixel, push.size))) return;
-  vec3 v = tone_map(texelFetch(radiance, ivec2(pixel), 0).rgb * exposure.state.exposure, push.curve);
+  vec3 balanced = max(push.white_balance * texelFetch(radiance, ivec2(pixel), 0).rgb, vec3(0.0));
+  vec3 v = tone_map(balanced * exposure.state.exposure, push.curve);
   vec3 s = vec3(srgb_from_linear(v.r), srgb_from_linear(v.g), srgb_from_linear(v.b));
   vec2 p = vec2(pixel) + 5.588238 * float(push.seed % 64u);
   vec3 noise = vec3(gradient_noise(p), gradient_noise(p + 17.0), gradient_noise(p + 43.0)) - 0.5;

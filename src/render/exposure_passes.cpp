@@ -7,11 +7,12 @@
 #include "render/exposure_reduce.comp.h"
 #include "render/render_shared.h"
 #include "render/tonemap.comp.h"
+#include "render/white_balance.h"
 
 namespace nepho {
 
 static_assert(sizeof(shared::ExposurePush) == 24);
-static_assert(sizeof(shared::TonemapPush) == 16);
+static_assert(sizeof(shared::TonemapPush) == 52);
 
 namespace {
 // Automatic exposure: from airglow to the sun on snow.
@@ -55,7 +56,8 @@ ExposurePasses::Outputs ExposurePasses::add(FrameGraph& graph, ImageRef radiance
       .read_write("histogram", bins)
       .write("exposure", out.state)
       .record([this, push](gpu::Commands& cmd) { cmd.bind(reduce_).push(push).dispatch_threads(1); });
-  const shared::TonemapPush tone{glm::uvec2(extent.width, extent.height), tone_curve(params.tone_curve), params.seed};
+  const shared::TonemapPush tone{glm::uvec2(extent.width, extent.height), tone_curve(params.tone_curve), params.seed,
+                                 glm::mat3(rec709_white_balance(params.white_balance_k))};
   graph.pass("tonemap")
       .sample("radiance", radiance, Sampler::nearest_clamp)
       .read("exposure", out.state)

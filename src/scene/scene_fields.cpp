@@ -307,6 +307,12 @@ void describe(FieldVisitor& v, RenderParams& p) {
           .range = closed(-30, 40),
           .term = "exposure value at ISO 100 (ISO 2720)"},
          &p.exposure_ev100);
+  v.leaf({.name = "white_balance_k",
+          .doc = "daylight that PNG pictures show as white; 6504 changes nothing",
+          .unit = "K",
+          .range = closed(4000, 25000),
+          .term = "correlated colour temperature (CIE daylight)"},
+         &p.white_balance_k);
   v.leaf({.name = "tone_curve",
           .doc = "how radiance becomes the colours of PNG pictures",
           .term = "tone mapping operator",

@@ -6,6 +6,7 @@
 #include "common/water.h"
 #include "render/camera_pose.h"
 #include "render/frame_setup.h"
+#include "render/white_balance.h"
 
 using namespace nepho;
 using namespace nepho::shared;
@@ -94,4 +95,18 @@ TEST_CASE("frame constants: the direction of a pixel agrees with the double came
     const dvec3 found = dvec3(pixel_direction(c, vec2(static_cast<float>(px) + 0.5f, static_cast<float>(py) + 0.5f)));
     CHECK(glm::length(found - expected) < 0.01 * static_cast<double>(c.pixel_angle_rad));
   }
+}
+
+TEST_CASE("white balance: 6504 K changes nothing, daylight of the chosen temperature becomes grey") {
+  const glm::dmat3 same = rec709_white_balance(6504.0);
+  for (int c = 0; c < 3; ++c)
+    for (int r = 0; r < 3; ++r) CHECK(same[c][r] == doctest::Approx(c == r ? 1.0 : 0.0).epsilon(1e-9));
+  // D55, x 0.33242, y 0.34743 (CIE 15), in linear Rec. 709.
+  const glm::dvec3 xyz(0.33242 / 0.34743, 1.0, (1.0 - 0.33242 - 0.34743) / 0.34743);
+  const glm::dvec3 d55(3.2404542 * xyz.x - 1.5371385 * xyz.y - 0.4985314 * xyz.z,
+                       -0.9692660 * xyz.x + 1.8760108 * xyz.y + 0.0415560 * xyz.z,
+                       0.0556434 * xyz.x - 0.2040259 * xyz.y + 1.0572252 * xyz.z);
+  const glm::dvec3 grey = rec709_white_balance(5503.0) * d55;
+  CHECK(grey.r == doctest::Approx(grey.g).epsilon(3e-3));
+  CHECK(grey.b == doctest::Approx(grey.g).epsilon(3e-3));
 }
