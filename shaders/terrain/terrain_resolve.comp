@@ -56,10 +56,12 @@ void main() {
       vec3 north = cross(up, east);
       normal = normalize(up - slope.x * east - slope.y * north);
     }
-    // The whole map is one small texture.
-    vec2 map = tile.map_origin + uv * tile.map_size;
-    float map_texel_m = 4.0075e7 / float(textureSize(night_tex, 0).x);
-    emission = textureLod(night_tex, map, max(log2(max(footprint_m / map_texel_m, 1.0e-6)), 0.0)).rgb;
+    // Lights are out by day (sun more than 6 degrees up). The whole map is one small texture.
+    if (dot(up, f.sun_dir) < 0.105) {
+      vec2 map = tile.map_origin + uv * tile.map_size;
+      float map_texel_m = 4.0075e7 / float(textureSize(night_tex, 0).x);
+      emission = textureLod(night_tex, map, max(log2(max(footprint_m / map_texel_m, 1.0e-6)), 0.0)).rgb;
+    }
   }
   imageStore(out_depth_m, at, vec4(distance_m));
   imageStore(out_albedo, at, albedo);

@@ -33,6 +33,9 @@ class HeightSampler {
  public:
   HeightSampler(std::vector<std::shared_ptr<Raster>> elevation, bool has_default, std::shared_ptr<const Geoid> geoid);
 
+  HeightSampler(const HeightSampler&) = delete;
+  HeightSampler& operator=(const HeightSampler&) = delete;
+
   /// Height above the ellipsoid, m, with the rasters reduced to suit the vertices of `level`.
   double height_m(double lat_rad, double lon_rad, uint32_t level) const;
   /// The same at every place of a grid, row by row: out[row * lon_deg.size() + column]. At the poles all longitudes and

@@ -94,12 +94,21 @@ class LandPicture final : public Raster {
       : info_(picture->info()),
         land_only_(std::move(picture), BlockCache::kBudgetBytes,
                    [this, &ground](RasterBlock& block, uint32_t k, uint32_t bx, uint32_t by) {
+                     // A texel counts as land when its neighbours are land too: pictures bleed over their coasts.
                      const PixelCentres c = centres_of(info_, block, k, bx, by);
-                     std::vector<float> land(block.valid.size());
-                     const double spacing = (info_.bounds.north_deg - info_.bounds.south_deg) / info_.height;
-                     ground.land_field_m(c.lat, c.lon, std::ldexp(spacing, static_cast<int>(k)), land.data());
-                     for (size_t p = 0; p < land.size(); ++p)
-                       if (land[p] <= 0.0f) block.valid[p] = 0;
+                     const double spacing = c.lat.size() > 1 ? c.lat[0] - c.lat[1] : 180.0;
+                     std::vector<double> lat = {std::min(90.0, c.lat.front() + spacing)},
+                                         lon = {c.lon.front() - spacing};
+                     lat.insert(lat.end(), c.lat.begin(), c.lat.end());
+                     lon.insert(lon.end(), c.lon.begin(), c.lon.end());
+                     lat.push_back(std::max(-90.0, c.lat.back() - spacing));
+                     lon.push_back(c.lon.back() + spacing);
+                     std::vector<float> land(lat.size() * lon.size());
+                     ground.land_field_m(lat, lon, spacing, land.data());
+                     for (size_t y = 0; y < block.height; ++y)
+                       for (size_t x = 0; x < block.width; ++x)
+                         for (size_t n = 0; n < 9; ++n)
+                           if (land[(y + n / 3) * lon.size() + x + n % 3] <= 0.0f) block.valid[y * block.width + x] = 0;
                    }) {
     while (std::max(land_only_.width_at(last_), land_only_.height_at(last_)) > 1) ++last_;
   }

@@ -45,7 +45,7 @@ class Terrain {
     ImageRef depth_m;   ///< r32f: distance along the pixel's ray, m; 1e10 for the sky
     ImageRef albedo;    ///< rgba16f: linear Rec. 709; a: 0 sky, 1 land, 2 water (whose rgb is 0)
     ImageRef normal;    ///< rgba16f: unit normal, ECEF axes; of water the geodetic normal, of the sky 0
-    ImageRef emission;  ///< rgba16f: night lights, linear, 1 the brightest; black without any
+    ImageRef emission;  ///< rgba16f: night lights, linear, 1 the brightest; black without any and by day
   };
   /// Draws what prepare() selected: passes "terrain.raster" and "terrain.resolve".
   Outputs add(FrameGraph& graph, const FrameInfo& frame) const;

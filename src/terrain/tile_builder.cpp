@@ -82,7 +82,7 @@ HeightRange TileBuilder::height_range() const { return {-ground_.deepest_land_m(
 TileMeta TileBuilder::make_meta(const TileId& tile) const {
   const std::vector<double> lats = vertex_lats_deg(tile), lons = vertex_lons_deg(tile);
   constexpr size_t n = kTileVerticesPerSide, fine_n = 2 * kTileQuads + 1;
-  const double spacing = vertex_spacing_deg(tile.level);
+  const double spacing = vertex_spacing_deg(tile.level), spacing_m = spacing * kMetresPerDegree;
   std::vector<double> fine_lats(fine_n), fine_lons(fine_n);
   for (size_t i = 0; i < fine_n; ++i) {
     fine_lats[i] = lats.front() - static_cast<double>(i) * spacing * 0.5;
@@ -92,7 +92,7 @@ TileMeta TileBuilder::make_meta(const TileId& tile) const {
   ground_.drawn_msl_m(lats, lons, tile.level, own.data());
   ground_.drawn_msl_m(fine_lats, fine_lons, tile.level + 1, fine.data());
 
-  double lowest = own[0], highest = own[0], deviation = 0.0;
+  double lowest = own[0], highest = own[0], deviation = 0.0, vertical = 0.0;
   for (size_t j = 0; j < fine_n; ++j)
     for (size_t i = 0; i < fine_n; ++i) {
       const double f = fine[j * fine_n + i];
@@ -101,10 +101,14 @@ TileMeta TileBuilder::make_meta(const TileId& tile) const {
       const double drawn = 0.5 * (own[j0 * n + i1] + own[j1 * n + i0]);
       lowest = std::min({lowest, f, drawn});
       highest = std::max({highest, f, drawn});
-      deviation = std::max(deviation, std::abs(f - drawn));
+      // Vertical distance to distance: on a wall (a void's rim) the one is many times the other.
+      const auto [low, high] = std::minmax({own[j0 * n + i0], own[j0 * n + i1], own[j1 * n + i0], own[j1 * n + i1]});
+      const double steepness = (high - low) / spacing_m;
+      deviation = std::max(deviation, std::abs(f - drawn) / std::sqrt(1.0 + steepness * steepness));
+      vertical = std::max(vertical, std::abs(f - drawn));
     }
 
-  const double relief = std::max(deviation, unseen_relief_m(tile));
+  const double relief = std::max(vertical, unseen_relief_m(tile));
   double low_n = 1e9, high_n = -1e9;
   for (size_t j = 0; j < n; j += kTileQuads / 4)
     for (size_t i = 0; i < n; i += kTileQuads / 4) {

@@ -25,7 +25,7 @@ class TileBuilder {
   TileBuilder(const HeightSampler& ground, const ImagerySampler& imagery, const Ellipsoid& ellipsoid)
       : ground_(ground), imagery_(imagery), ellipsoid_(ellipsoid) {}
 
-  /// Heights and error of a tile: the greatest distance between its triangles and the next finer level's vertices, or
+  /// Heights and error of a tile: the greatest distance of the next finer level's vertices from its triangles, or
   /// what finer data not looked at may hide, and twice the ellipsoid's sagitta.
   TileMeta make_meta(const TileId& tile) const;
   /// The part of the error that needs no data: sagitta, texture needs, data finer than the vertices.
