@@ -92,7 +92,7 @@ TileMeta TileBuilder::make_meta(const TileId& tile) const {
   ground_.drawn_msl_m(lats, lons, tile.level, own.data());
   ground_.drawn_msl_m(fine_lats, fine_lons, tile.level + 1, fine.data());
 
-  double lowest = own[0], highest = own[0], deviation = 0.0, vertical = 0.0;
+  double lowest = own[0], highest = own[0], largest = 0.0, vertical = 0.0, squares = 0.0;
   for (size_t j = 0; j < fine_n; ++j)
     for (size_t i = 0; i < fine_n; ++i) {
       const double f = fine[j * fine_n + i];
@@ -104,10 +104,14 @@ TileMeta TileBuilder::make_meta(const TileId& tile) const {
       // Vertical distance to distance: on a wall (a void's rim) the one is many times the other.
       const auto [low, high] = std::minmax({own[j0 * n + i0], own[j0 * n + i1], own[j1 * n + i0], own[j1 * n + i1]});
       const double steepness = (high - low) / spacing_m;
-      deviation = std::max(deviation, std::abs(f - drawn) / std::sqrt(1.0 + steepness * steepness));
+      const double distance = std::abs(f - drawn) / std::sqrt(1.0 + steepness * steepness);
+      largest = std::max(largest, distance);
+      squares += distance * distance;
       vertical = std::max(vertical, std::abs(f - drawn));
     }
 
+  // Three times the RMS, so that one pit or spike does not refine a whole tile.
+  const double deviation = std::min(largest, 3.0 * std::sqrt(squares / static_cast<double>(fine.size())));
   const double relief = std::max(vertical, unseen_relief_m(tile));
   double low_n = 1e9, high_n = -1e9;
   for (size_t j = 0; j < n; j += kTileQuads / 4)

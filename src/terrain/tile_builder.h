@@ -25,7 +25,8 @@ class TileBuilder {
   TileBuilder(const HeightSampler& ground, const ImagerySampler& imagery, const Ellipsoid& ellipsoid)
       : ground_(ground), imagery_(imagery), ellipsoid_(ellipsoid) {}
 
-  /// Heights and error of a tile: the greatest distance of the next finer level's vertices from its triangles, or
+  /// Heights and error of a tile: the distance of the next finer level's vertices from its triangles (three times
+  /// the RMS, at most the greatest), or
   /// what finer data not looked at may hide, and twice the ellipsoid's sagitta.
   TileMeta make_meta(const TileId& tile) const;
   /// The part of the error that needs no data: sagitta, texture needs, data finer than the vertices.
