@@ -24,9 +24,11 @@ const float kRegionalWeight = 0.45;  // standard deviations; their squares add t
 const float kMesoWeight = 0.55;
 const float kCellWeight = 0.704;
 const float kShapeWeight = 0.34;
-const float kDetailWeight = 0.085;
-const float kFineWeight = 0.03;
+const float kDetailWeight = 0.11;
+const float kFineWeight = 0.04;
 const float kEdge = 0.02;            // softness of a resolved edge
+const float kFieldBias = 0.7;         // fields fade a little before a pixel reaches their texel: no twinkle from orbit
+const float kRegionalBias = 1.8;      // the weather map alone is seen from far out
 const float kNoiseRange = 4.0;       // textures hold -range..range standard deviations
 
 // Noise is read at whole mips: lavapipe and old GPUs pay double for blending two, and the fades hide the change.
@@ -47,26 +49,33 @@ CloudColumn cloud_column(vec3 p_cam, vec3 up, float height_m, float log2_footpri
   vec3 q = frame.frame_data.planet.camera_q_m + scaled_from_cam(frame.frame_data.planet, p_cam);
   float share = textureLod(cloud_weather, CLOUD.weather_from_ecef * q, max(log2_footprint - CLOUD.log2_weather_texel_m, 0.0)).r;
   c.probit = threshold_probit(probit_from_share(share));
-  float lod = max(log2_footprint - CLOUD.domains[kDomainRegional].log2_texel_m, 0.0);
-  vec2 regional = (textureLod(cloud_field, cloud_uvw(kDomainRegional, foot), round(lod)).rg - 0.5) * (2.0 * kNoiseRange);
+  float lod = max(log2_footprint + kRegionalBias - CLOUD.domains[kDomainRegional].log2_texel_m, 0.0);
+  // One field bends the lattice of the next.
+  vec3 uvw = cloud_uvw(kDomainRegional, foot);
+  uvw.yz += (textureLod(cloud_field, cloud_uvw(kDomainWarp, foot), 0.0).rg - 0.5) * (2.0 * kNoiseRange * 0.12);
+  vec2 regional = (textureLod(cloud_field, uvw, round(lod)).rg - 0.5) * (2.0 * kNoiseRange);
   float left = variance_left(lod, CLOUD.fade_start.x, CLOUD.fade_per_lod.x);
-  lod = max(log2_footprint - CLOUD.domains[kDomainMeso].log2_texel_m, 0.0);
-  vec3 uvw = cloud_uvw(kDomainMeso, foot);
-  uvw.xy += 0.06 * regional;  // one field bends the lattice of the next
+  lod = max(log2_footprint + kFieldBias - CLOUD.domains[kDomainMeso].log2_texel_m, 0.0);
+  uvw = cloud_uvw(kDomainMeso, foot);
+  uvw.xy += 0.09 * regional;
   vec2 meso = (textureLod(cloud_field, uvw, round(lod)).rg - 0.5) * (2.0 * kNoiseRange);
   c.slow = kRegionalWeight * regional.x + kMesoWeight * meso.x;
   c.unknown = kRegionalWeight * kRegionalWeight * (1.0 - left) + 
               kMesoWeight * kMesoWeight * (1.0 - variance_left(lod, CLOUD.fade_start.x, CLOUD.fade_per_lod.x));
-  c.bend = 0.05 * meso;
+  c.bend = 0.03 * meso;
   return c;
+}
+
+CloudColumn mix_columns(CloudColumn a, CloudColumn b, float u) {
+  return CloudColumn(mix(a.probit, b.probit, u), mix(a.slow, b.slow, u), mix(a.unknown, b.unknown, u), mix(a.bend, b.bend, u));
 }
 
 // Level of the column's cells at a relative height, without billows; `unknown` gains the variance the footprint hides.
 float cloud_cell_level(CloudColumn c, vec3 p_cam, vec3 up, float height_m, float eta, float log2_footprint, inout float unknown) {
-  float lod = max(log2_footprint - CLOUD.domains[kDomainCell].log2_texel_m, 0.0);
+  float lod = max(log2_footprint + kFieldBias - CLOUD.domains[kDomainCell].log2_texel_m, 0.0);
   vec3 uvw = cloud_uvw(kDomainCell, p_cam - up * height_m);
   uvw.yz += c.bend;
-  float cell = (textureLod(cloud_field, uvw, round(lod)).g - 0.5) * (2.0 * kNoiseRange);
+  float cell = lod > 5.5 ? 0.0 : (textureLod(cloud_field, uvw, round(lod)).g - 0.5) * (2.0 * kNoiseRange);
   unknown += kCellWeight * kCellWeight * (1.0 - variance_left(lod, CLOUD.fade_start.y, CLOUD.fade_per_lod.y));
   return c.slow + kCellWeight * cell - cell_threshold(eta, c.probit);
 }
@@ -74,17 +83,25 @@ float cloud_cell_level(CloudColumn c, vec3 p_cam, vec3 up, float height_m, float
 // Billows above, inverted below: wisps. Large scale.
 float cloud_shape_level(vec3 p_cam, float eta, float log2_footprint, inout float unknown) {
   float lod = max(log2_footprint - CLOUD.domains[kDomainShape].log2_texel_m, 0.0);
-  float shape = (textureLod(cloud_shape, cloud_uvw(kDomainShape, p_cam), round(lod)).r - 0.5) * (2.0 * kNoiseRange);
   float weight = kShapeWeight * CLOUD.shape_amount * smoothstep(0.0, 0.25, eta);
+  if (lod > 4.5) {  // nothing of it left
+    unknown += weight * weight;
+    return 0.0;
+  }
+  float shape = (textureLod(cloud_shape, cloud_uvw(kDomainShape, p_cam), round(lod)).r - 0.5) * (2.0 * kNoiseRange);
   unknown += weight * weight * (1.0 - variance_left(lod, CLOUD.fade_start.z, CLOUD.fade_per_lod.z));
   return weight * shape;
 }
 
 float cloud_detail_level(vec3 p_cam, float eta, float log2_footprint, inout float unknown) {
   float lod = max(log2_footprint - CLOUD.domains[kDomainDetail].log2_texel_m, 0.0);
+  float weight = kDetailWeight * CLOUD.detail_amount * mix(-1.0, 1.0, smoothstep(0.05, 0.3, eta));
+  if (lod > 3.5) {
+    unknown += weight * weight;
+    return 0.0;
+  }
   vec3 uvw = cloud_uvw(kDomainDetail, p_cam);
   float detail = (textureLod(cloud_detail, uvw, round(lod)).r - 0.5) * (2.0 * kNoiseRange);
-  float weight = kDetailWeight * CLOUD.detail_amount * mix(-1.0, 1.0, smoothstep(0.05, 0.3, eta));
   unknown += weight * weight * (1.0 - variance_left(lod, CLOUD.fade_start.w, CLOUD.fade_per_lod.w));
   float level = weight * detail;
   lod = log2_footprint - CLOUD.domains[kDomainFine].log2_texel_m;
@@ -95,14 +112,23 @@ float cloud_detail_level(vec3 p_cam, float eta, float log2_footprint, inout floa
   return level;
 }
 
-// Extinction, 1/m, from the level. Thin just inside the edge, growing inwards and with height as liquid water does.
-float cloud_extinction(float level, float unknown, float blur, float eta, float footprint_m) {
+// Extinction from the level. Thin just inside the edge, growing inwards and with height as liquid water does.
+struct CloudMedium {
+  float sigma_per_m;  // what a ray sees: of clumps where they are unresolved
+  float clump_depth;  // optical depth of one clump; towards 0 where everything is resolved
+};
+
+CloudMedium cloud_medium(float level, float unknown, float blur, float eta, float footprint_m) {
   float spread = sqrt(unknown + kEdge * kEdge + blur * blur);
   float share = share_above(level, spread);
-  if (share <= 0.0) return 0.0;
-  float inner = clamp(0.35 + 1.6 * level, 0.25, 1.0);
-  float sigma = CLOUD.extinction_per_m * mix(inner, 1.0, clamp(2.0 * spread, 0.0, 1.0)) * (0.55 + 0.45 * clamp(2.0 * eta, 0.0, 1.0));
-  return clumped_extinction(share, sigma, clamp(0.5 * footprint_m, 1.0, 0.42 * CLOUD.thickness_m));
+  float inner = mix(clamp(0.35 + 1.6 * level, 0.25, 1.0), 1.0, clamp(2.0 * spread, 0.0, 1.0));
+  float sigma = CLOUD.extinction_per_m * inner * (0.55 + 0.45 * clamp(2.0 * eta, 0.0, 1.0));
+  float size_m = clamp(0.5 * footprint_m, 1.0, 0.42 * CLOUD.thickness_m);
+  return CloudMedium(share > 0.0 ? clumped_extinction(share, sigma, size_m) : 0.0, sigma * size_m);
+}
+
+float cloud_extinction(float level, float unknown, float blur, float eta, float footprint_m) {
+  return cloud_medium(level, unknown, blur, eta, footprint_m).sigma_per_m;
 }
 
 #endif

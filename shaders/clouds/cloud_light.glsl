@@ -5,14 +5,14 @@
 
 // Optical depth from a point towards the sun by taps at growing distances, the far ones coarse. Slow fields are those
 // of the point itself: the taps reach about two kilometres.
-const int kSunTaps = 5;
-const float kSunFirst_m = 45.0;
-const float kSunGrowth = 2.2;
+const int kSunTaps = 4;
+const float kSunFirst_m = 48.0;
+const float kSunGrowth = 2.7;
 
 float cloud_sun_depth(vec3 p_cam, vec3 up, float height_m, CloudColumn column, float log2_footprint) {
   vec3 sun = frame.frame_data.sun_dir;
   float climb = dot(up, sun);
-  float depth = 0.0, from_m = 0.0, length_m = kSunFirst_m;
+  float depth = 0.0, from_m = 0.0, length_m = max(kSunFirst_m, 0.4 * exp2(log2_footprint));
   for (int i = 0; i < kSunTaps; ++i) {
     float d = from_m + 0.5 * length_m;
     float h = height_m + climb * d;
@@ -22,7 +22,7 @@ float cloud_sun_depth(vec3 p_cam, vec3 up, float height_m, CloudColumn column, f
     float log2_tap = max(log2_footprint, log2(0.5 * length_m));
     float unknown = column.unknown;
     float level = cloud_cell_level(column, p, up, h, eta, log2_tap, unknown);
-    if (i < 4)
+    if (i < 3)
       level += cloud_shape_level(p, eta, log2_tap, unknown);
     else
       unknown += kShapeWeight * kShapeWeight;
@@ -36,6 +36,6 @@ float cloud_sun_depth(vec3 p_cam, vec3 up, float height_m, CloudColumn column, f
 // Scattering orders beyond the first, as two wide lobes whose extinction is scaled along the view ray (view) and towards
 // the sun (sun): light that was scattered forward is not lost. Chosen against the slab table of docs/clouds.md.
 struct CloudOctave { float gain, view, sun, lobe; };
-const CloudOctave kOctaves[2] = CloudOctave[2](CloudOctave(1.55, 0.40, 0.20, 0.312), CloudOctave(2.2, 0.18, 0.05, 0.097));
+const CloudOctave kOctaves[2] = CloudOctave[2](CloudOctave(2.1, 0.45, 0.26, 0.312), CloudOctave(2.7, 0.20, 0.065, 0.097));
 
 #endif

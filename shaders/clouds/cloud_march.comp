@@ -17,7 +17,9 @@ const int kMaxSteps = 176;
 const float kOpaque = 1.0e-3;         // transmittance at which nothing behind matters
 const float kDeepest = 16.0;          // optical depth at which the wide lobes are used up too
 const float kLevelStep_m = 220.0;     // a level of -1 is about this far from a cloud, at least
-const float kShapeReach = 1.0;        // most that billows add to a level
+const float kColumn_m = 250.0;        // ground between two readings of the slow fields
+const float kSkyView = 0.3;           // as CloudOctave.view, for light of the sky and the ground
+const float kShapeReach = 0.60;       // most that billows add to a level, but for rare peaks
 
 // Interleaved gradient noise (Jimenez 2014), another offset each frame.
 float march_jitter(uvec2 pixel) {
@@ -72,14 +74,18 @@ void main() {
     float f_slope = 2.0 * dot(entry_q, scaled_dir), f_bend = dot(scaled_dir, scaled_dir);
     float longest = min(span.y, gap.x) - span.x;
     if (gap.x < span.y) longest = max(longest, span.y - gap.y);
-    float cap = max(longest / 24.0, 10.0), leap = 0.12 * longest;
-    float jitter = march_jitter(uvec2(pixel));
+    float coarse = smoothstep(80.0, 500.0, frame.frame_data.pixel_angle_rad * span.x);
+    float cap = max(longest / mix(24.0, 16.0, coarse), 10.0), leap = 0.12 * longest;
+    float jitter = mix(march_jitter(uvec2(pixel)), 0.5, coarse);  // from far away the field is smooth: no noise wanted
     float t = span.x;
     bool jittered = false;
     float sun_depth = 0.0;
+    CloudColumn near = CloudColumn(0.0, 0.0, 0.0, vec2(0.0)), far = near;
+    float near_t = t - 1.0, far_t = t - 1.0, column_m = 0.0;
+    vec3 wide = vec3(0.0);  // optical depths so far of the two wide lobes and of sky light
     for (; steps < kMaxSteps && t < span.y; ++steps) {
       if (t >= gap.x && t < gap.y) { t = gap.y; jittered = false; }
-      float fine = min(max(t * 0.010, 24.0), cap);
+      float fine = min(max(t * 0.011, 24.0), cap);
       if (!jittered) { t += jitter * fine; jittered = true; }
       if (t >= span.y) break;
       float s = t - span.x;
@@ -91,29 +97,42 @@ void main() {
       float eta = (height_m - CLOUD.base_m) / CLOUD.thickness_m;
       vec3 p = dir * t;
 
-      float footprint_m = max(1.5 * frame.frame_data.pixel_angle_rad * t, 0.1 * fine);
+      float footprint_m = max(frame.frame_data.pixel_angle_rad * t, 0.08 * fine);
       float log2_footprint = log2(footprint_m);
       float step_m = fine;
-      float sigma = 0.0, level = 0.0;
+      float sigma = 0.0, level = 0.0, clump_depth = 0.0, unresolved = 0.0;
       CloudColumn column;
       if (CLOUD.uniform_density > 0.0) {
         if (eta >= 0.0 && eta <= 1.0) sigma = CLOUD.uniform_density * CLOUD.extinction_per_m;
         level = 1.0;
         column = CloudColumn(8.0, 0.0, 0.0, vec2(0.0));
       } else if (eta > -0.03 && eta < 1.0) {
-        column = cloud_column(p, up, height_m, log2_footprint);
+        // Slow fields: read every few hundred metres of ground, straight lines between.
+        while (far_t < t) {
+          near = far;
+          near_t = far_t;
+          far_t = max(far_t + column_m, t);
+          vec3 far_p = dir * far_t;
+          float far_footprint_m = frame.frame_data.pixel_angle_rad * far_t;
+          far = cloud_column(far_p, geodetic_up(planet, far_p), geodetic_height(planet, far_p), log2(max(far_footprint_m, 1.0)));
+          column_m = max(kColumn_m, 2.0 * far_footprint_m) / max(sqrt(max(1.0 - pow(dot(dir, up), 2.0), 0.0)), 0.05);
+        }
+        column = mix_columns(near, far, (t - near_t) / max(far_t - near_t, 1.0e-3));
         float unknown = column.unknown;
         level = cloud_cell_level(column, p, up, height_m, eta, log2_footprint, unknown);
         // (the steep cut below the base says nothing about distance)
         float reach = level + kBaseSharpness * max(0.05 - eta, 0.0) + kShapeReach * CLOUD.shape_amount * smoothstep(0.0, 0.25, eta) + 2.6 * sqrt(unknown);
         if (reach > 0.0) {
           level += cloud_shape_level(p, eta, log2_footprint, unknown);
-          if (abs(level) < 0.6 && transmittance > 0.02) level += cloud_detail_level(p, eta, log2_footprint, unknown);
-          sigma = cloud_extinction(level, unknown, fine * 0.0003, eta, footprint_m);
+          if (abs(level) < 0.3 && transmittance > 0.1) level += cloud_detail_level(p, eta, log2_footprint, unknown);
+          CloudMedium medium = cloud_medium(level, unknown, fine * 0.0003, eta, footprint_m);
+          sigma = medium.sigma_per_m;
+          clump_depth = medium.clump_depth;
+          unresolved = clamp(3.0 * unknown, 0.0, 1.0);
           if (sigma > 0.0)
             step_m = tau < 5.0 ? clamp(0.9 / sigma, 0.35 * fine, fine) : 2.0 * fine;  // about one optical depth
           else
-            step_m = clamp(-level * kLevelStep_m, 0.4 * fine, fine);
+            step_m = clamp(-level * kLevelStep_m, 0.4 * fine, min(2.5 * fine, leap));
         } else {
           step_m = clamp(-reach * kLevelStep_m, 0.5 * fine, min(fine + 0.08 * t + 200.0, leap));
         }
@@ -127,13 +146,16 @@ void main() {
         float d_tau = sigma * step_m;
         float w = transmittance * (1.0 - exp(-d_tau));
         // Deep in a cloud light comes from all around; at its rim from one side.
-        float fill = mix(0.5, 1.0, clamp(level * 1.8, 0.0, 1.0));
+        float fill = mix(mix(0.5, 1.0, clamp(level * 1.8, 0.0, 1.0)), 0.85, unresolved);
         float lit = w * phase * exp(-sun_depth);
-        for (int n = 0; n < 2; ++n) {
-          float view = kOctaves[n].view;
-          lit += exp(-view * tau) * (1.0 - exp(-view * d_tau)) * lobes[n] * fill * exp(-kOctaves[n].sun * sun_depth);
-        }
-        float w_sky = exp(-0.3 * tau) * (1.0 - exp(-0.3 * d_tau));
+        // Scaled by `view` inside a clump; a clump as a whole hides what lies behind for every order alike.
+        vec3 scale = vec3(kOctaves[0].view, kOctaves[1].view, kSkyView);
+        float x = max(clump_depth, 0.02);
+        vec3 d_wide = d_tau * (1.0 - exp(-scale * x)) / (1.0 - exp(-x));
+        vec3 w_wide = exp(-wide) * (1.0 - exp(-d_wide));
+        wide += d_wide;
+        for (int n = 0; n < 2; ++n) lit += w_wide[n] * lobes[n] * fill * exp(-kOctaves[n].sun * sun_depth);
+        float w_sky = w_wide.z;
         float h = clamp(eta, 0.0, 1.0);
         light += vec3(lit, w_sky * mix(0.16, 0.55, h) / kPi, w_sky * mix(0.45, 0.1, h) / kPi);
         depth_sum += w * t;

@@ -31,7 +31,8 @@ SHARED_CONST uint kDomainCell = 2u;      // field.g, 2.7..1.3 km
 SHARED_CONST uint kDomainShape = 3u;     // shape, 800..180 m
 SHARED_CONST uint kDomainDetail = 4u;    // detail, 130..60 m
 SHARED_CONST uint kDomainFine = 5u;      // detail, 36..18 m
-SHARED_CONST uint kCloudDomains = 6u;
+SHARED_CONST uint kDomainWarp = 6u;      // field.rg, 280..35 km: bends the regional lattice, so that no period shows
+SHARED_CONST uint kCloudDomains = 7u;
 
 struct CloudDomain {
   mat3 uvw_from_cam;   // 1/m; rotation and scale
@@ -40,7 +41,7 @@ struct CloudDomain {
 };
 
 struct CloudConstants {
-  CloudDomain domains[6];
+  CloudDomain domains[7];
   mat3 weather_from_ecef;     // turn of the weather map by the wind, scaled axes
   float base_m;               // geodetic height of the layer's base, m
   float thickness_m;          // m

@@ -9,7 +9,7 @@ namespace nepho {
 namespace {
 
 static_assert(sizeof(shared::CloudDomain) == 52);
-static_assert(sizeof(shared::CloudConstants) == 6 * 52 + 36 + 12 * 4 + 2 * 16);
+static_assert(sizeof(shared::CloudConstants) == 7 * 52 + 36 + 12 * 4 + 2 * 16);
 
 /// How a noise lattice lies: its period, the axis and angle of its turn. Axes and angles are irrational to each other
 /// and to ECEF, so that no lattice plane lies along the ground of any place for long and no two lattices share rows.
@@ -23,6 +23,7 @@ const Lattice kLattices[shared::kCloudDomains] = {
     {197.3e3, {0.31, 0.83, 0.46}, 0.71, 128}, {53.9e3, {-0.72, 0.21, 0.66}, 1.93, 128},
     {22.7e3, {0.57, -0.44, 0.69}, 2.67, 128}, {6.13e3, {0.18, 0.63, -0.75}, 1.27, 128},
     {497.0, {-0.49, -0.29, 0.82}, 0.97, 32},  {137.0, {0.84, 0.35, 0.41}, 2.21, 32},
+    {1131.0e3, {-0.22, 0.71, 0.67}, 2.83, 128},
 };
 
 /// Turn of the whole field about the polar axis: the only wind that is one motion of the sphere, everywhere.
