@@ -9,6 +9,8 @@ namespace nepho {
 
 namespace {
 constexpr uint32_t kSide = Raster::kBlockSize;
+constexpr uint32_t kSideBits = 8;
+static_assert(kSide == 1u << kSideBits);
 
 uint32_t reduced(uint32_t size, uint32_t reduction) {
   const uint64_t step = uint64_t{1} << reduction;
@@ -16,12 +18,12 @@ uint32_t reduced(uint32_t size, uint32_t reduction) {
 }
 }  // namespace
 
-BlockCache::BlockCache(std::shared_ptr<Raster> raster, uint64_t budget_bytes, Filter filter, bool reduces)
+BlockCache::BlockCache(std::shared_ptr<Raster> raster, uint64_t budget_bytes, Filter filter)
     : raster_(std::move(raster)), info_(raster_->info()), budget_bytes_(budget_bytes), filter_(std::move(filter)) {
   NEPHO_ASSERT(info_.width > 0 && info_.height > 0);
   own_reductions_ = std::max(1u, raster_->reductions());
   const uint64_t whole_bytes = uint64_t{info_.width} * info_.height * (info_.bands * sizeof(float) + 1);
-  if (reduces && whole_bytes <= budget_bytes_ / 2) own_reductions_ = 1;
+  if (whole_bytes <= budget_bytes_ / 2) own_reductions_ = 1;
   while (reduced(std::max(info_.width, info_.height), last_reduction_) > 1) ++last_reduction_;
   pixel_deg_ = std::max((info_.bounds.east_deg - info_.bounds.west_deg) / info_.width,
                         (info_.bounds.north_deg - info_.bounds.south_deg) / info_.height);
@@ -29,6 +31,11 @@ BlockCache::BlockCache(std::shared_ptr<Raster> raster, uint64_t budget_bytes, Fi
 
 uint32_t BlockCache::width_at(uint32_t reduction) const { return reduced(info_.width, reduction); }
 uint32_t BlockCache::height_at(uint32_t reduction) const { return reduced(info_.height, reduction); }
+
+uint32_t BlockCache::side_at(uint32_t reduction) const {
+  // Reduced by themselves, the blocks of a small raster shrink to one pixel; from there on they are collected again.
+  return own_reductions_ == 1 && reduction <= kSideBits ? kSide >> reduction : kSide;
+}
 
 uint32_t BlockCache::reduction_for(double spacing_deg) const {
   // The margin keeps rasters on the tiles' own grid (pixel = spacing) from falling to the finer side by rounding.
@@ -100,34 +107,36 @@ BlockCache::Block BlockCache::reduce_children(uint32_t reduction, uint32_t bx, u
   Block out;
   const uint32_t bands = info_.bands;
   RasterBlock& to = out.data;
-  to.width = std::min(kSide, width_at(reduction) - bx * kSide);
-  to.height = std::min(kSide, height_at(reduction) - by * kSide);
+  const uint32_t side = side_at(reduction), side_below = side_at(reduction - 1);
+  to.width = std::min(side, width_at(reduction) - bx * side);
+  to.height = std::min(side, height_at(reduction) - by * side);
   to.values.assign(size_t{to.width} * to.height * bands, 0.0f);
   to.valid.assign(size_t{to.width} * to.height, 0);
-  const uint32_t blocks_x = (width_at(reduction - 1) + kSide - 1) / kSide;
-  const uint32_t blocks_y = (height_at(reduction - 1) + kSide - 1) / kSide;
-  for (uint32_t quadrant = 0; quadrant < 4; ++quadrant) {
-    const uint32_t cx = 2 * bx + (quadrant & 1), cy = 2 * by + (quadrant >> 1);
-    if (cx >= blocks_x || cy >= blocks_y) continue;
-    const auto child = block(reduction - 1, cx, cy);
-    const RasterBlock& from = child->data;
-    const uint32_t x0 = (quadrant & 1) * kSide / 2, y0 = (quadrant >> 1) * kSide / 2;
-    for (uint32_t y = 0; y < (from.height + 1) / 2; ++y)
-      for (uint32_t x = 0; x < (from.width + 1) / 2; ++x) {
-        size_t taps[4];
-        uint32_t count = 0;
-        for (uint32_t j = 2 * y; j < std::min(2 * y + 2, from.height); ++j)
-          for (uint32_t i = 2 * x; i < std::min(2 * x + 2, from.width); ++i)
-            if (from.valid[size_t{j} * from.width + i]) taps[count++] = size_t{j} * from.width + i;
-        if (count == 0) continue;
-        const size_t at = size_t{y0 + y} * to.width + x0 + x;
-        to.valid[at] = 1;
-        for (uint32_t b = 0; b < bands; ++b) {
-          double sum = 0.0;
-          for (uint32_t t = 0; t < count; ++t) sum += static_cast<double>(from.values[taps[t] * bands + b]);
-          to.values[at * bands + b] = static_cast<float>(sum / count);
+  // Pixels below, and the blocks that hold them: one for a block reduced by itself.
+  const uint32_t x0 = 2 * bx * side, y0 = 2 * by * side;
+  const uint32_t x1 = std::min(x0 + 2 * side, width_at(reduction - 1)),
+                 y1 = std::min(y0 + 2 * side, height_at(reduction - 1));
+  std::vector<double> sums(to.values.size());
+  std::vector<uint32_t> counts(to.valid.size());
+  for (uint32_t cy = y0 / side_below; cy * side_below < y1; ++cy)
+    for (uint32_t cx = x0 / side_below; cx * side_below < x1; ++cx) {
+      const auto child = block(reduction - 1, cx, cy);
+      const RasterBlock& from = child->data;
+      for (uint32_t y = 0; y < from.height; ++y)
+        for (uint32_t x = 0; x < from.width; ++x) {
+          const uint32_t px = cx * side_below + x, py = cy * side_below + y;
+          const size_t source = size_t{y} * from.width + x;
+          if (!from.valid[source] || px < x0 || py < y0 || px >= x1 || py >= y1) continue;
+          const size_t target = size_t{(py - y0) / 2} * to.width + (px - x0) / 2;
+          ++counts[target];
+          for (uint32_t b = 0; b < bands; ++b)
+            sums[target * bands + b] += static_cast<double>(from.values[source * bands + b]);
         }
-      }
+    }
+  for (size_t p = 0; p < counts.size(); ++p) {
+    if (counts[p] == 0) continue;
+    to.valid[p] = 1;
+    for (uint32_t b = 0; b < bands; ++b) to.values[p * bands + b] = static_cast<float>(sums[p * bands + b] / counts[p]);
   }
   return out;
 }

@@ -11,10 +11,11 @@
 
 namespace nepho {
 
-/// Blocks of one raster, kept in memory up to a budget. Reductions beyond those that the raster offers are averaged
-/// from the ones below, so that a raster far smaller than a vertex spacing still contributes its mean. Thread-safe; a
-/// block is read once even when two threads ask for it together. A block that cannot be read counts as "no data", with
-/// one warning per raster.
+/// Blocks of one raster, kept in memory up to a budget. A raster that fits the budget as a whole is read at full size
+/// only, and each of its blocks is reduced by itself, so that a coarse look at a place reads no more than the blocks
+/// there. Others are read at the reductions that they offer. Reductions beyond those are averaged from the ones below:
+/// a raster far smaller than a vertex spacing still contributes its mean. Thread-safe; a block is read once even when
+/// two threads ask for it together. A block that cannot be read counts as "no data", with one warning per raster.
 class BlockCache {
  public:
   struct Block {
@@ -25,14 +26,15 @@ class BlockCache {
   using Filter = std::function<void(RasterBlock& block, uint32_t reduction, uint32_t bx, uint32_t by)>;
 
   static constexpr uint64_t kBudgetBytes = 384u << 20;
-  /// `reduces`: whether reductions may be averaged here instead of being read.
-  explicit BlockCache(std::shared_ptr<Raster> raster, uint64_t budget_bytes = kBudgetBytes, Filter filter = {},
-                      bool reduces = true);
+  explicit BlockCache(std::shared_ptr<Raster> raster, uint64_t budget_bytes = kBudgetBytes, Filter filter = {});
 
   const RasterInfo& info() const { return info_; }
+  /// Block (bx, by): pixels bx * side_at(reduction).. of the raster reduced by 2^reduction.
   std::shared_ptr<const Block> block(uint32_t reduction, uint32_t bx, uint32_t by) const;
   uint32_t width_at(uint32_t reduction) const;   ///< px
   uint32_t height_at(uint32_t reduction) const;  ///< px
+  /// Pixels per side of a block; a power of two.
+  uint32_t side_at(uint32_t reduction) const;
   /// Size of a source pixel in degrees; the larger of its two sides.
   double pixel_deg() const { return pixel_deg_; }
   /// Largest power-of-two reduction whose pixels are no larger than `spacing_deg`.

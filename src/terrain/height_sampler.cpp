@@ -89,12 +89,16 @@ void HeightSampler::find_range() {
     const BlockCache& raster = *layers_[i];
     uint32_t k = 0;
     while (std::max(raster.width_at(k), raster.height_at(k)) > Raster::kBlockSize) ++k;
-    const auto block = raster.block(k, 0, 0);
-    for (size_t p = 0; p < block->data.valid.size(); ++p) {
-      if (!block->data.valid[p]) continue;
-      lowest = std::min(lowest, static_cast<double>(block->data.values[p]));
-      highest = std::max(highest, static_cast<double>(block->data.values[p]));
-    }
+    const uint32_t side = raster.side_at(k);
+    for (uint32_t by = 0; by * side < raster.height_at(k); ++by)
+      for (uint32_t bx = 0; bx * side < raster.width_at(k); ++bx) {
+        const auto block = raster.block(k, bx, by);
+        for (size_t p = 0; p < block->data.valid.size(); ++p) {
+          if (!block->data.valid[p]) continue;
+          lowest = std::min(lowest, static_cast<double>(block->data.values[p]));
+          highest = std::max(highest, static_cast<double>(block->data.values[p]));
+        }
+      }
   }
   deepest_land_m_ = 300.0 - 1.5 * lowest;
   highest_land_m_ = 300.0 + 1.5 * highest;

@@ -70,86 +70,91 @@ bool overlaps(const LonLatBounds& b, const TileBounds& t) {
   return false;
 }
 
-/// Centres of a block's pixels.
-struct PixelCentres {
-  std::vector<double> lat, lon;
-};
-PixelCentres centres_of(const RasterInfo& info, const RasterBlock& block, uint32_t reduction, uint32_t bx,
-                        uint32_t by) {
+/// Marks a block's texels that are not surely land: those in the sea of `ground` or next to it, as pictures bleed over
+/// their coasts.
+std::vector<uint8_t> land_of(const RasterInfo& info, const HeightSampler& ground, const RasterBlock& block,
+                             uint32_t reduction, uint32_t bx, uint32_t by) {
   const double step = std::ldexp(1.0, static_cast<int>(reduction));
   const double dx = (info.bounds.east_deg - info.bounds.west_deg) / info.width * step;
   const double dy = (info.bounds.north_deg - info.bounds.south_deg) / info.height * step;
-  PixelCentres c;
-  for (uint32_t i = 0; i < block.width; ++i)
-    c.lon.push_back(info.bounds.west_deg + (bx * Raster::kBlockSize + static_cast<double>(i) + 0.5) * dx);
-  for (uint32_t j = 0; j < block.height; ++j)
-    c.lat.push_back(info.bounds.north_deg - (by * Raster::kBlockSize + static_cast<double>(j) + 0.5) * dy);
-  return c;
+  const double west = info.bounds.west_deg + bx * Raster::kBlockSize * dx;
+  const double north = info.bounds.north_deg - by * Raster::kBlockSize * dy;
+  // One texel more on each side.
+  std::vector<double> lat(block.height + 2), lon(block.width + 2);
+  for (size_t i = 0; i < lon.size(); ++i) lon[i] = west + (static_cast<double>(i) - 0.5) * dx;
+  for (size_t j = 0; j < lat.size(); ++j) lat[j] = std::clamp(north - (static_cast<double>(j) - 0.5) * dy, -90.0, 90.0);
+  std::vector<float> field(lat.size() * lon.size());
+  ground.land_field_m(lat, lon, std::max(dx, dy), field.data());
+  std::vector<uint8_t> land = block.valid;
+  for (size_t y = 0; y < block.height; ++y)
+    for (size_t x = 0; x < block.width; ++x)
+      for (size_t n = 0; n < 9; ++n)
+        if (field[(y + n / 3) * lon.size() + x + n % 3] <= 0.0f) land[y * block.width + x] = 0;
+  return land;
 }
 
-/// A global picture whose sea is painted over with the colours of the land around.
-class LandPicture final : public Raster {
- public:
-  LandPicture(std::shared_ptr<Raster> picture, const HeightSampler& ground)
-      : info_(picture->info()),
-        land_only_(std::move(picture), BlockCache::kBudgetBytes,
-                   [this, &ground](RasterBlock& block, uint32_t k, uint32_t bx, uint32_t by) {
-                     // A texel counts as land when its neighbours are land too: pictures bleed over their coasts.
-                     const PixelCentres c = centres_of(info_, block, k, bx, by);
-                     const double spacing = c.lat.size() > 1 ? c.lat[0] - c.lat[1] : 180.0;
-                     std::vector<double> lat = {std::min(90.0, c.lat.front() + spacing)},
-                                         lon = {c.lon.front() - spacing};
-                     lat.insert(lat.end(), c.lat.begin(), c.lat.end());
-                     lon.insert(lon.end(), c.lon.begin(), c.lon.end());
-                     lat.push_back(std::max(-90.0, c.lat.back() - spacing));
-                     lon.push_back(c.lon.back() + spacing);
-                     std::vector<float> land(lat.size() * lon.size());
-                     ground.land_field_m(lat, lon, spacing, land.data());
-                     for (size_t y = 0; y < block.height; ++y)
-                       for (size_t x = 0; x < block.width; ++x)
-                         for (size_t n = 0; n < 9; ++n)
-                           if (land[(y + n / 3) * lon.size() + x + n % 3] <= 0.0f) block.valid[y * block.width + x] = 0;
-                   }) {
-    while (std::max(land_only_.width_at(last_), land_only_.height_at(last_)) > 1) ++last_;
+/// Gives every texel outside `land` the mean colour of the land texels around: averages upwards to coarser and coarser
+/// texels, then interpolates downwards ("push-pull"). A block without land stays as it is.
+void spread_land(RasterBlock& block, std::vector<uint8_t> land, uint32_t bands) {
+  if (std::find(land.begin(), land.end(), uint8_t{1}) == land.end()) return;
+  struct Level {
+    uint32_t width, height;
+    std::vector<float> values;
+    std::vector<uint8_t> valid;
+  };
+  std::vector<Level> levels = {{block.width, block.height, block.values, std::move(land)}};
+  while (levels.back().width > 1 || levels.back().height > 1) {
+    const Level& from = levels.back();
+    Level to{(from.width + 1) / 2, (from.height + 1) / 2, {}, {}};
+    to.values.resize(size_t{to.width} * to.height * bands);
+    to.valid.resize(size_t{to.width} * to.height);
+    for (uint32_t y = 0; y < to.height; ++y)
+      for (uint32_t x = 0; x < to.width; ++x) {
+        float* sum = &to.values[(size_t{y} * to.width + x) * bands];
+        float count = 0.0f;
+        for (uint32_t j = 2 * y; j < std::min(2 * y + 2, from.height); ++j)
+          for (uint32_t i = 2 * x; i < std::min(2 * x + 2, from.width); ++i) {
+            const size_t p = size_t{j} * from.width + i;
+            if (!from.valid[p]) continue;
+            count += 1.0f;
+            for (uint32_t b = 0; b < bands; ++b) sum[b] += from.values[p * bands + b];
+          }
+        if (count == 0.0f) continue;
+        to.valid[size_t{y} * to.width + x] = 1;
+        for (uint32_t b = 0; b < bands; ++b) sum[b] /= count;
+      }
+    levels.push_back(std::move(to));
   }
-  const RasterInfo& info() const override { return info_; }
-  uint32_t reductions() const override { return last_ + 1; }
-  const BlockCache& land_only() const { return land_only_; }
-  void fill_from(const BlockCache& filled) { filled_ = &filled; }
-
-  Result<RasterBlock> read_block(uint32_t k, uint32_t bx, uint32_t by) const override {
-    RasterBlock block = land_only_.block(k, bx, by)->data;
-    if (k >= last_ || std::all_of(block.valid.begin(), block.valid.end(), [](uint8_t v) { return v != 0; }))
-      return block;
-    const PixelCentres c = centres_of(info_, block, k, bx, by);
-    std::vector<float> around(block.valid.size() * 4);
-    lay_over(*filled_, k + 1, c.lat, c.lon, around.data());
-    for (size_t p = 0; p < block.valid.size(); ++p) {
-      if (block.valid[p]) continue;
-      for (uint32_t b = 0; b < info_.bands; ++b) block.values[p * info_.bands + b] = around[p * 4 + std::min(b, 2u)];
-      block.valid[p] = 1;
-    }
-    return block;
+  for (size_t l = levels.size() - 1; l-- > 0;) {
+    Level& to = levels[l];
+    const Level& from = levels[l + 1];
+    for (uint32_t y = 0; y < to.height; ++y)
+      for (uint32_t x = 0; x < to.width; ++x) {
+        const size_t p = size_t{y} * to.width + x;
+        if (to.valid[p]) continue;
+        // The four coarser texels around, 9:3:3:1.
+        const uint32_t x0 = x / 2, y0 = y / 2;
+        const uint32_t x1 = std::min(x % 2 ? x0 + 1 : std::max(x0, 1u) - 1, from.width - 1);
+        const uint32_t y1 = std::min(y % 2 ? y0 + 1 : std::max(y0, 1u) - 1, from.height - 1);
+        for (uint32_t b = 0; b < bands; ++b) {
+          const auto at = [&](uint32_t i, uint32_t j) { return from.values[(size_t{j} * from.width + i) * bands + b]; };
+          to.values[p * bands + b] = (9.0f * at(x0, y0) + 3.0f * at(x1, y0) + 3.0f * at(x0, y1) + at(x1, y1)) / 16.0f;
+        }
+      }
   }
-
- private:
-  RasterInfo info_;
-  BlockCache land_only_;
-  uint32_t last_ = 0;
-  const BlockCache* filled_ = nullptr;  // this picture's own blocks
-};
+  block.values = std::move(levels[0].values);
+}
 
 }  // namespace
 
 ImagerySampler::ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, const HeightSampler& ground) {
   for (auto& raster : imagery) {
-    if (!layers_.empty() || !raster->info().wraps || !ground.default_data()) {
-      layers_.push_back(std::make_unique<BlockCache>(std::move(raster)));
-      continue;
-    }
-    auto land = std::make_shared<LandPicture>(std::move(raster), ground);
-    layers_.push_back(std::make_unique<BlockCache>(land, BlockCache::kBudgetBytes, BlockCache::Filter{}, false));
-    land->fill_from(*layers_.back());
+    BlockCache::Filter filter;
+    if (layers_.empty() && raster->info().wraps && ground.default_data())
+      filter = [info = raster->info(), &ground](RasterBlock& block, uint32_t reduction, uint32_t bx, uint32_t by) {
+        spread_land(block, land_of(info, ground, block, reduction, bx, by), info.bands);
+      };
+    layers_.push_back(std::make_unique<BlockCache>(std::move(raster), BlockCache::kBudgetBytes, std::move(filter)));
   }
 }
 

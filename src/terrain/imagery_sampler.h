@@ -22,8 +22,8 @@ RasterCoverage lay_over(const BlockCache& raster, uint32_t reduction, std::span<
 /// even grey of albedo 0.2.
 ///
 /// The bottom raster, where it spans the globe, knows no coast finer than its own texels: its ocean colours would rim
-/// the land. Its texels in the sea or next to it are therefore replaced by the mean of land texels around them, taken
-/// from coarser reductions until one has land.
+/// the land. Its texels in the sea or next to it are therefore painted over with the land's colours around them, block
+/// by block.
 class ImagerySampler {
  public:
   /// `ground` says what is sea; it must outlive this object.

@@ -107,7 +107,7 @@ RasterAxis rows_at(const BlockCache& raster, uint32_t reduction, std::span<const
 }
 
 void gather(const BlockCache& raster, uint32_t reduction, const RasterAxis& x, const RasterAxis& y, RasterWindow& out) {
-  constexpr int64_t kSide = Raster::kBlockSize;
+  const int64_t side = raster.side_at(reduction);
   out.columns = static_cast<uint32_t>(x.pixels.size());
   out.rows = static_cast<uint32_t>(y.pixels.size());
   out.bands = raster.info().bands;
@@ -122,7 +122,7 @@ void gather(const BlockCache& raster, uint32_t reduction, const RasterAxis& x, c
   const auto runs_of = [&](const std::vector<int64_t>& pixels) {
     std::vector<Run> runs;
     for (uint32_t i = 0; i < pixels.size(); ++i) {
-      const int64_t block = pixels[i] == RasterAxis::kOutside ? -1 : pixels[i] / kSide;
+      const int64_t block = pixels[i] == RasterAxis::kOutside ? -1 : pixels[i] / side;
       if (runs.empty() || runs.back().block != block)
         runs.push_back({block, i, i + 1});
       else
@@ -141,10 +141,10 @@ void gather(const BlockCache& raster, uint32_t reduction, const RasterAxis& x, c
       const auto block = raster.block(reduction, static_cast<uint32_t>(rx.block), static_cast<uint32_t>(ry.block));
       const RasterBlock& data = block->data;
       for (uint32_t j = ry.first; j < ry.last; ++j) {
-        const size_t source_row = static_cast<size_t>(y.pixels[j] - ry.block * kSide) * data.width;
+        const size_t source_row = static_cast<size_t>(y.pixels[j] - ry.block * side) * data.width;
         const size_t target_row = size_t{j} * out.columns;
         for (uint32_t i = rx.first; i < rx.last; ++i) {
-          const size_t from = source_row + static_cast<size_t>(x.pixels[i] - rx.block * kSide);
+          const size_t from = source_row + static_cast<size_t>(x.pixels[i] - rx.block * side);
           const size_t to = target_row + i;
           const uint8_t valid = data.valid[from];
           out.valid[to] = valid;
