@@ -12,13 +12,13 @@ struct RayleighParams {
   bool operator==(const RayleighParams&) const = default;
 };
 
-/// Aerosol. The defaults are clean continental air: optical depth 0.048 at 550 nm, Angstrom exponent 1.3, single
-/// scattering albedo 0.95 (order of AERONET's clean rural sites); visibility about 70 km.
+/// Aerosol. The defaults are clean continental air: optical depth 0.03 at 550 nm, Angstrom exponent 1.3, single
+/// scattering albedo 0.95 (order of AERONET's clean rural sites); visibility about 100 km.
 struct MieParams {
   /// Scattering at height 0, 1/m, >= 0.
-  glm::dvec3 scattering_per_m = {2.88e-5, 3.8e-5, 5.08e-5};
+  glm::dvec3 scattering_per_m = {1.8e-5, 2.38e-5, 3.18e-5};
   /// Extinction at height 0, 1/m, >= scattering.
-  glm::dvec3 extinction_per_m = {3.03e-5, 4.0e-5, 5.35e-5};
+  glm::dvec3 extinction_per_m = {1.9e-5, 2.5e-5, 3.34e-5};
   double scale_height_m = 1200.0;                             ///< m, > 0
   double phase_g = 0.8;                                       ///< Cornette-Shanks asymmetry, (-1, 1)
   bool operator==(const MieParams&) const = default;

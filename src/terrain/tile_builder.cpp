@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <glm/gtc/packing.hpp>
 #include <numbers>
 
@@ -52,6 +53,8 @@ TexelGrid texel_grid(const TileId& tile, uint32_t texels) {
 double imagery_texel_deg(uint32_t level) { return texel_deg(level, kImageryTexels); }
 
 namespace {
+constexpr double kDeepestSagitta_m = 100.0;  // an aerosol scale height is 1200 m
+
 /// How deep the middle of a mesh cell's diagonal lies below the ellipsoid.
 double sagitta_m(const TileId& tile, const Ellipsoid& ellipsoid) {
   const double spacing_m = vertex_spacing_deg(tile.level) * kMetresPerDegree;
@@ -66,6 +69,9 @@ double TileBuilder::unseen_relief_m(const TileId& tile) const {
 }
 
 double TileBuilder::least_error_m(const TileId& tile) const {
+  // From far out a mesh cell may sink kilometres below the ellipsoid within a pixel. The picture's shape would not mind,
+  // but its light would: the lowest kilometre of the air is the densest, and the sea would show the mesh as a grid of dots.
+  if (sagitta_m(tile, ellipsoid_) > kDeepestSagitta_m) return std::numeric_limits<double>::infinity();
   // Twice the sagitta: silhouettes keep to half a pixel.
   double error = unseen_relief_m(tile) + 2.0 * sagitta_m(tile, ellipsoid_);
   const TileBounds bounds = tile_bounds(tile);
