@@ -17,7 +17,7 @@ float cloud_sun_depth(vec3 p_cam, vec3 up, float height_m, CloudColumn column, f
     float d = from_m + 0.5 * length_m;
     float h = height_m + climb * d;
     float eta = (h - CLOUD.base_m) / CLOUD.thickness_m;
-    if (eta >= 1.0 || eta <= 0.0) break;
+    if (eta >= 1.0 || eta <= -0.05) break;
     vec3 p = p_cam + sun * d;
     float log2_tap = max(log2_footprint, log2(0.5 * length_m));
     float unknown = column.unknown;

@@ -14,12 +14,14 @@ layout(set = 0, binding = 21, rgba32f) uniform writeonly image2D out_radiance;
 layout(set = 0, binding = 22, rgba32f) uniform writeonly image2D out_info;
 
 const int kMaxSteps = 176;
-const float kOpaque = 1.0e-3;         // transmittance at which nothing behind matters
-const float kDeepest = 16.0;          // optical depth at which the wide lobes are used up too
-const float kLevelStep_m = 220.0;     // a level of -1 is about this far from a cloud, at least
-const float kColumn_m = 250.0;        // ground between two readings of the slow fields
-const float kSkyView = 0.3;           // as CloudOctave.view, for light of the sky and the ground
-const float kShapeReach = 0.60;       // most that billows add to a level, but for rare peaks
+const int kMaxLights = 8;           // points of a ray that look for the sun
+const float kLightShare = 0.15;     // about how much of what the ray sees each stands for
+const float kOpaque = 1.0e-3;       // transmittance at which nothing behind matters
+const float kDeepest = 12.0;        // optical depth at which the wide lobes are used up too
+const float kLevelStep_m = 220.0;   // a level of -1 is about this far from a cloud, at least
+const float kColumn_m = 250.0;      // ground between two readings of the slow fields
+const float kSkyView = 0.3;         // as CloudOctave.view, for light of the sky and the ground
+const float kShapeReach = 0.60;     // most that billows add to a level, but for rare peaks
 
 // Interleaved gradient noise (Jimenez 2014), another offset each frame.
 float march_jitter(uvec2 pixel) {
@@ -52,7 +54,9 @@ bool layer_span(vec3 dir, float far_m, out vec2 span, out vec2 gap, out float en
 }
 
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  // Neighbouring lanes march in step: blocks of 4 x 2 pixels stay together better than rows of 8.
+  uint l = gl_LocalInvocationIndex;
+  ivec2 pixel = ivec2(gl_WorkGroupID.xy * 8u + uvec2((l & 3u) | ((l >> 1) & 4u), ((l >> 2) & 1u) | ((l >> 3) & 6u)));
   if (any(greaterThanEqual(pixel, ivec2(frame.frame_data.size)))) return;
   PlanetView planet = frame.frame_data.planet;
   vec3 dir = pixel_direction(frame.frame_data, vec2(pixel) + 0.5);
@@ -75,32 +79,36 @@ void main() {
     float longest = min(span.y, gap.x) - span.x;
     if (gap.x < span.y) longest = max(longest, span.y - gap.y);
     float coarse = smoothstep(80.0, 500.0, frame.frame_data.pixel_angle_rad * span.x);
-    float cap = max(longest / mix(24.0, 16.0, coarse), 10.0), leap = 0.12 * longest;
-    float jitter = mix(march_jitter(uvec2(pixel)), 0.5, coarse);  // from far away the field is smooth: no noise wanted
-    float t = span.x;
-    bool jittered = false;
-    float sun_depth = 0.0;
+    float cap = max(longest / (CLOUD.uniform_density > 0.0 ? 160.0 : mix(24.0, 16.0, coarse)), 10.0), leap = 0.12 * longest;
+    float jitter = mix(0.7 * march_jitter(uvec2(pixel)), 0.5, coarse);  // from far away the field is smooth: no noise wanted
+    float s = 0.0, end = span.y - span.x;  // along the ray from its entry: exact from any distance
+    vec2 gap_s = gap - span.x;
     CloudColumn near = CloudColumn(0.0, 0.0, 0.0, vec2(0.0)), far = near;
-    float near_t = t - 1.0, far_t = t - 1.0, column_m = 0.0;
+    float near_t = span.x - 1.0, far_t = span.x - 1.0, column_m = 0.0;
+    vec4 sources[kMaxLights], columns[kMaxLights];
+    float bends[kMaxLights];
+    vec4 pending = vec4(0.0);
+    float pending_seen = 0.0;
+    int lights = 0;
     vec3 wide = vec3(0.0);  // optical depths so far of the two wide lobes and of sky light
-    for (; steps < kMaxSteps && t < span.y; ++steps) {
-      if (t >= gap.x && t < gap.y) { t = gap.y; jittered = false; }
-      float fine = min(max(t * 0.011, 24.0), cap);
-      if (!jittered) { t += jitter * fine; jittered = true; }
-      if (t >= span.y) break;
-      float s = t - span.x;
-      vec3 q = entry_q + scaled_dir * s;
+    for (; steps < kMaxSteps && s < end; ++steps) {
+      if (s >= gap_s.x && s < gap_s.y) s = gap_s.y;
+      if (s >= end) break;
+      float t = span.x + s;
+      float fine = min(max(t * 0.013, 27.0), cap);
+      float at_s = min(s + jitter * fine, end);  // stretches of the ray tile it exactly; each is sampled somewhere inside
+      float at = span.x + at_s;
+      vec3 q = entry_q + scaled_dir * at_s;
       vec3 sq = vec3(q.xy, q.z * planet.a_over_b);
       float inv = inversesqrt(dot(sq, sq));
       vec3 up = sq * inv;
-      float height_m = scaled_height_from_f(planet, entry_f_m2 + s * (f_slope + s * f_bend)) * length(q) * inv;
+      float height_m = scaled_height_from_f(planet, entry_f_m2 + at_s * (f_slope + at_s * f_bend)) * length(q) * inv;
       float eta = (height_m - CLOUD.base_m) / CLOUD.thickness_m;
-      vec3 p = dir * t;
+      vec3 p = dir * at;
 
-      float footprint_m = max(frame.frame_data.pixel_angle_rad * t, 0.08 * fine);
+      float footprint_m = max(frame.frame_data.pixel_angle_rad * at, 0.08 * fine);
       float log2_footprint = log2(footprint_m);
-      float step_m = fine;
-      float sigma = 0.0, level = 0.0, clump_depth = 0.0, unresolved = 0.0;
+      float step_m = fine, sigma = 0.0, level = 0.0, clump_depth = 0.0, unresolved = 0.0;
       CloudColumn column;
       if (CLOUD.uniform_density > 0.0) {
         if (eta >= 0.0 && eta <= 1.0) sigma = CLOUD.uniform_density * CLOUD.extinction_per_m;
@@ -108,16 +116,16 @@ void main() {
         column = CloudColumn(8.0, 0.0, 0.0, vec2(0.0));
       } else if (eta > -0.03 && eta < 1.0) {
         // Slow fields: read every few hundred metres of ground, straight lines between.
-        while (far_t < t) {
+        while (far_t < at) {
           near = far;
           near_t = far_t;
-          far_t = max(far_t + column_m, t);
+          far_t = max(far_t + column_m, at);
           vec3 far_p = dir * far_t;
           float far_footprint_m = frame.frame_data.pixel_angle_rad * far_t;
           far = cloud_column(far_p, geodetic_up(planet, far_p), geodetic_height(planet, far_p), log2(max(far_footprint_m, 1.0)));
           column_m = max(kColumn_m, 2.0 * far_footprint_m) / max(sqrt(max(1.0 - pow(dot(dir, up), 2.0), 0.0)), 0.05);
         }
-        column = mix_columns(near, far, (t - near_t) / max(far_t - near_t, 1.0e-3));
+        column = mix_columns(near, far, (at - near_t) / max(far_t - near_t, 1.0e-3));
         float unknown = column.unknown;
         level = cloud_cell_level(column, p, up, height_m, eta, log2_footprint, unknown);
         // (the steep cut below the base says nothing about distance)
@@ -130,41 +138,73 @@ void main() {
           clump_depth = medium.clump_depth;
           unresolved = clamp(3.0 * unknown, 0.0, 1.0);
           if (sigma > 0.0)
-            step_m = tau < 5.0 ? clamp(0.9 / sigma, 0.35 * fine, fine) : 2.0 * fine;  // about one optical depth
+            step_m = tau < 4.0 ? clamp(1.0 / sigma, 0.4 * fine, fine) : 3.0 * fine;  // about one optical depth
           else
-            step_m = clamp(-level * kLevelStep_m, 0.4 * fine, min(2.5 * fine, leap));
+            step_m = clamp(-level * kLevelStep_m, 0.6 * fine, min(3.0 * fine, leap));
         } else {
           step_m = clamp(-reach * kLevelStep_m, 0.5 * fine, min(fine + 0.08 * t + 200.0, leap));
         }
       }
 
       if (sigma > 0.0) {
-        if (transmittance > 0.02)
-          sun_depth = cloud_sun_depth(p, up, height_m, column, log2_footprint);
-        else
-          sun_depth += 0.3 * sigma * step_m;  // hidden: how deep is enough, not what casts shadows there
+        step_m = min(step_m, (s < gap_s.x ? min(end, gap_s.x) : end) - s);
         float d_tau = sigma * step_m;
         float w = transmittance * (1.0 - exp(-d_tau));
         // Deep in a cloud light comes from all around; at its rim from one side.
         float fill = mix(mix(0.5, 1.0, clamp(level * 1.8, 0.0, 1.0)), 0.85, unresolved);
-        float lit = w * phase * exp(-sun_depth);
         // Scaled by `view` inside a clump; a clump as a whole hides what lies behind for every order alike.
         vec3 scale = vec3(kOctaves[0].view, kOctaves[1].view, kSkyView);
         float x = max(clump_depth, 0.02);
         vec3 d_wide = d_tau * (1.0 - exp(-scale * x)) / (1.0 - exp(-x));
         vec3 w_wide = exp(-wide) * (1.0 - exp(-d_wide));
         wide += d_wide;
-        for (int n = 0; n < 2; ++n) lit += w_wide[n] * lobes[n] * fill * exp(-kOctaves[n].sun * sun_depth);
+        // Sunlight waits for its shadow: what this stretch sends, by how fast each part fades with the depth to the sun.
+        vec3 sent = vec3(w * phase, w_wide.xy * lobes * fill);
+        float seen = w + 0.5 * (w_wide.x + w_wide.y);
+        pending += vec4(at * seen, sent);
+        pending_seen += seen;
+        if (pending_seen > kLightShare && lights < kMaxLights) {
+          sources[lights] = vec4(pending.x / pending_seen, pending.yzw);
+          columns[lights] = vec4(column.probit, column.slow, column.unknown, column.bend.x);
+          bends[lights] = column.bend.y;
+          ++lights;
+          pending = vec4(0.0);
+          pending_seen = 0.0;
+        }
         float w_sky = w_wide.z;
         float h = clamp(eta, 0.0, 1.0);
-        light += vec3(lit, w_sky * mix(0.16, 0.55, h) / kPi, w_sky * mix(0.45, 0.1, h) / kPi);
-        depth_sum += w * t;
+        light += vec3(0.0, w_sky * mix(0.16, 0.55, h) / kPi, w_sky * mix(0.45, 0.1, h) / kPi);
+        depth_sum += w * at;
         weight_sum += w;
         tau += d_tau;
         transmittance *= exp(-d_tau);
         if (tau > kDeepest) break;
       }
-      t += step_m;
+      s += step_m;
+    }
+    // What is left goes with the last source; or is the only one, where the ray sees little.
+    if (pending_seen > 0.0) {
+      if (lights == 0) {
+        sources[0] = vec4(pending.x / pending_seen, pending.yzw);
+        columns[0] = vec4(near.probit, near.slow, near.unknown, near.bend.x);
+        bends[0] = near.bend.y;
+        lights = 1;
+      } else {
+        sources[lights - 1].yzw += pending.yzw;
+      }
+    }
+    // All lanes march towards the sun together here; within the loop above each step of one would have cost them all.
+    for (int i = 0; i < lights; ++i) {
+      float at = sources[i].x;
+      float at_s = at - span.x;
+      vec3 q = entry_q + scaled_dir * at_s;
+      vec3 sq = vec3(q.xy, q.z * planet.a_over_b);
+      float inv = inversesqrt(dot(sq, sq));
+      float height_m = scaled_height_from_f(planet, entry_f_m2 + at_s * (f_slope + at_s * f_bend)) * length(q) * inv;
+      CloudColumn column = CloudColumn(columns[i].x, columns[i].y, columns[i].z, vec2(columns[i].w, bends[i]));
+      float footprint_m = max(frame.frame_data.pixel_angle_rad * at, 0.08 * min(max(at * 0.013, 27.0), cap));
+      float sun_depth = cloud_sun_depth(dir * at, sq * inv, height_m, column, log2(footprint_m));
+      light.x += dot(sources[i].yzw, exp(-sun_depth * vec3(1.0, kOctaves[0].sun, kOctaves[1].sun)));
     }
     if (transmittance < kOpaque) transmittance = 0.0;
   }

@@ -66,7 +66,7 @@ SHARED_FN float variance_left(float lod, float start, float per_lod) {
 }
 
 // Share of the probit-threshold model that a filtered level set covers: a smoother step whose middle follows the normal
-// distribution function within 0.015 and whose tails end, so that empty is empty. level and spread in the same unit.
+// distribution function within 0.018 and whose tails end, so that empty is empty. level and spread in the same unit.
 SHARED_FN float share_above(float level, float spread) {
   float u = clamp(0.5f + level / (5.2f * spread), 0.0f, 1.0f);
   return u * u * u * (u * (u * 6.0f - 15.0f) + 10.0f);

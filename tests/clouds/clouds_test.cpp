@@ -1,0 +1,89 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <random>
+
+#include "clouds/cloud_noise.h"
+#include "clouds/clouds_shared.h"
+
+namespace nepho {
+namespace {
+
+TEST_CASE("share_above follows the normal distribution within 0.018 and ends in 0 and 1") {
+  for (float z = -4.0f; z <= 4.0f; z += 0.1f)
+    CHECK(std::abs(shared::share_above(z * 0.3f, 0.3f) - 0.5 * std::erfc(-z / std::sqrt(2.0))) < 0.018);
+  CHECK(shared::share_above(-2.61f, 1.0f) == 0.0f);
+  CHECK(shared::share_above(2.61f, 1.0f) == 1.0f);
+}
+
+TEST_CASE("clumped_extinction is share x extinction of thin clumps and -log(1 - share) per opaque clump") {
+  CHECK(std::abs(shared::clumped_extinction(0.3f, 0.04f, 0.1f) / (0.3f * 0.04f) - 1.0f) < 0.01f);
+  CHECK(std::abs(shared::clumped_extinction(0.3f, 0.1f, 500.0f) * 500.0f + std::log(0.7f)) < 1e-3f);
+  CHECK(std::abs(shared::clumped_extinction(1.0f, 0.01f, 100.0f) - 0.01f) < 1e-4f);  // nothing to clump
+}
+
+TEST_CASE("variance_left falls from 1 to 0") {
+  CHECK(shared::variance_left(0.0f, 1.0f, 0.2f) == 1.0f);
+  CHECK(shared::variance_left(3.5f, 1.0f, 0.2f) == doctest::Approx(0.5));
+  CHECK(shared::variance_left(6.0f, 1.0f, 0.2f) == 0.0f);
+}
+
+TEST_CASE("a cell is widest at its waist, has a flat base and no end at the top") {
+  CHECK(shared::excess_needed(shared::kCellWaist) == 0.0f);
+  float last = 0.0f;
+  for (float eta = shared::kCellWaist; eta < 1.0f; eta += 0.01f) {
+    CHECK(shared::excess_needed(eta) >= last);
+    last = shared::excess_needed(eta);
+  }
+  CHECK(shared::excess_needed(1.0f) > 10.0f);
+  // Flat: from the base's middle up to a level of 1 the height changes by less than 4 % of the layer.
+  CHECK(shared::excess_needed(0.05f - 1.0f / shared::kBaseSharpness) - shared::excess_needed(0.05f) >= 0.99f);
+}
+
+TEST_CASE("cell_threshold covers the share of a normal field that is asked at the waist") {
+  for (const float probit : {-1.5f, -0.3f, 0.4f, 1.2f, 3.0f})
+    CHECK(shared::cell_threshold(shared::kCellWaist, probit) == doctest::Approx(-probit));
+  // More coverage never needs more, and height never less.
+  for (float eta = 0.2f; eta < 0.95f; eta += 0.05f) {
+    CHECK(shared::cell_threshold(eta, 0.2f) <= shared::cell_threshold(eta, -0.2f));
+    CHECK(shared::cell_threshold(eta + 0.05f, 0.2f) >= shared::cell_threshold(eta, 0.2f));
+  }
+}
+
+TEST_CASE("the dual-lobe phase function integrates to 1 and has the mean cosine of its lobes") {
+  const double g0 = 0.85, g1 = -0.2, w = 0.1;
+  double sum = 0.0, cosine = 0.0;
+  constexpr int kSteps = 20000;
+  for (int i = 0; i < kSteps; ++i) {
+    const double c = -1.0 + (i + 0.5) * 2.0 / kSteps;
+    const double p = shared::phase_dual_hg(static_cast<float>(c), static_cast<float>(g0), static_cast<float>(g1),
+                                           static_cast<float>(w));
+    sum += p * 2.0 * M_PI * 2.0 / kSteps;
+    cosine += p * c * 2.0 * M_PI * 2.0 / kSteps;
+  }
+  CHECK(std::abs(sum - 1.0) < 1e-3);
+  CHECK(std::abs(cosine - ((1 - w) * g0 + w * g1)) < 1e-3);
+}
+
+TEST_CASE("normalise_volume gives mean 0 and variance 1, normal quantiles where asked; half_volume keeps the mean") {
+  std::vector<float> values(32 * 32 * 32);
+  std::mt19937 random(4);
+  for (float& v : values) v = static_cast<float>(random() % 1000) * static_cast<float>(random() % 1000);
+  for (const bool gaussian : {false, true}) {
+    std::vector<float> v = values;
+    normalise_volume(v, gaussian);
+    double mean = 0.0, square = 0.0;
+    size_t below = 0;
+    for (const float x : v) mean += x, square += static_cast<double>(x) * x, below += x < -1.0f;
+    const auto count = static_cast<double>(v.size());
+    CHECK(std::abs(mean / count) < 1e-4);
+    CHECK(std::abs(square / count - 1.0) < 1e-3);
+    if (gaussian) CHECK(std::abs(static_cast<double>(below) / count - 0.158655) < 1e-4);
+    double half_mean = 0.0;
+    for (const float x : half_volume(v, 32)) half_mean += x;
+    CHECK(std::abs(half_mean / (16.0 * 16 * 16) - mean / count) < 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace nepho
