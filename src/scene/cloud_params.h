@@ -19,10 +19,10 @@ struct CloudLayer {
 struct CloudParams {
   double coverage = 0.4;  ///< vertically projected share of the sky with optical depth > 1, 0..1; 0 is clear
   std::vector<CloudLayer> layers = {CloudLayer{}};  ///< up to four; this slice draws the first
-  uint32_t weather_seed = 1;                        ///< another number, another planet's weather
+  uint32_t weather_seed = 7;                        ///< another number, another planet's weather
   /// How far large-scale weather departs from `coverage`, 0..0.95: 0 the same everywhere, 0.9 clear deserts beside
   /// overcast storms. The mean over the globe stays `coverage`.
-  double weather_contrast = 0.5;
+  double weather_contrast = 0.75;
   double wind_east_mps = 0.0;    ///< eastward drift of the whole field at the equator, m/s; the same time, the same sky
   double uniform_density = 0.0;  ///< > 0: the first layer is an even slab of this density; tests of the march
   double phase_g_forward = 0.85;       ///< forward Henyey-Greenstein lobe, (-1, 1)

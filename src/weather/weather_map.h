@@ -9,7 +9,7 @@ namespace nepho {
 /// What a weather map is made from.
 struct WeatherSettings {
   double coverage = 0.4;  ///< mean share of sky covered over the globe, 0..1
-  double contrast = 0.5;  ///< CloudParams::weather_contrast, 0..0.95
+  double contrast = 0.75;  ///< CloudParams::weather_contrast, 0..0.95
   uint32_t seed = 1;
   bool operator==(const WeatherSettings&) const = default;
 };

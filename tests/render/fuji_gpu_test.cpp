@@ -122,9 +122,12 @@ TEST_CASE(
     const std::optional<double> hit =
         truth.hit(result.pose.ecef_m, dir, std::max(0.0, target - 15e3), target + 40e3, 5.0);
     REQUIRE(hit.has_value());
+    const double pixel_m = length * 2.0 * std::tan(0.5 * result.pose.fov_rad) / result.layers.height;
     MESSAGE("height " << height_m << " m: hit " << length << " m along the ray, truth " << *hit << " m, off by "
-                      << std::abs(length - *hit) << " m");
-    CHECK(std::abs(length - *hit) < 60.0);
+                      << std::abs(length - *hit) << " m; a pixel is " << pixel_m << " m");
+    // Near, 60 m of the DEM's own 90 m samples. Far out a level of detail may be a pixel off, and the summit, narrower
+    // than two pixels, a little more.
+    CHECK(std::abs(length - *hit) < std::max(60.0, 1.5 * pixel_m));
   }
 }
 
