@@ -79,7 +79,7 @@ void main() {
     float longest = min(span.y, gap.x) - span.x;
     if (gap.x < span.y) longest = max(longest, span.y - gap.y);
     float coarse = smoothstep(80.0, 500.0, frame.frame_data.pixel_angle_rad * span.x);
-    float cap = max(longest / (CLOUD.uniform_density > 0.0 ? 160.0 : mix(24.0, 16.0, coarse)), 10.0), leap = 0.12 * longest;
+    float cap = max(longest / (CLOUD.uniform_density > 0.0 ? 160.0 : mix(24.0, 12.0, coarse)), 10.0), leap = 0.12 * longest;
     float jitter = mix(0.7 * march_jitter(uvec2(pixel)), 0.5, coarse);  // from far away the field is smooth: no noise wanted
     float s = 0.0, end = span.y - span.x;  // along the ray from its entry: exact from any distance
     vec2 gap_s = gap - span.x;
@@ -90,6 +90,7 @@ void main() {
     vec4 pending = vec4(0.0);
     float pending_seen = 0.0;
     int lights = 0;
+    float light_share = mix(kLightShare, 0.45, coarse);
     vec3 wide = vec3(0.0);  // optical depths so far of the two wide lobes and of sky light
     for (; steps < kMaxSteps && s < end; ++steps) {
       if (s >= gap_s.x && s < gap_s.y) s = gap_s.y;
@@ -163,7 +164,7 @@ void main() {
         float seen = w + 0.5 * (w_wide.x + w_wide.y);
         pending += vec4(at * seen, sent);
         pending_seen += seen;
-        if (pending_seen > kLightShare && lights < kMaxLights) {
+        if (pending_seen > light_share && lights < kMaxLights) {
           sources[lights] = vec4(pending.x / pending_seen, pending.yzw);
           columns[lights] = vec4(column.probit, column.slow, column.unknown, column.bend.x);
           bends[lights] = column.bend.y;
