@@ -14,11 +14,11 @@ layout(set = 0, binding = 21, rgba32f) uniform writeonly image2D out_radiance;
 layout(set = 0, binding = 22, rgba32f) uniform writeonly image2D out_info;
 
 const int kMaxSteps = 176;
-const int kMaxLights = 8;           // points of a ray that look for the sun
-const float kLightShare = 0.15;     // about how much of what the ray sees each stands for
+const int kMaxLights = 6;           // points of a ray that look for the sun
+const float kLightShare = 0.20;     // about how much of what the ray sees each stands for
 const float kOpaque = 1.0e-3;       // transmittance at which nothing behind matters
-const float kDeepest = 12.0;        // optical depth at which the wide lobes are used up too
-const float kLevelStep_m = 220.0;   // a level of -1 is about this far from a cloud, at least
+const float kDeepest = 8.0;        // optical depth at which the wide lobes are used up too
+const float kLevelStep_m = 400.0;   // a level of -1 is about this far from a cloud, at least
 const float kColumn_m = 250.0;      // ground between two readings of the slow fields
 const float kSkyView = 0.3;         // as CloudOctave.view, for light of the sky and the ground
 const float kShapeReach = 0.60;     // most that billows add to a level, but for rare peaks
@@ -96,7 +96,7 @@ void main() {
       if (s >= gap_s.x && s < gap_s.y) s = gap_s.y;
       if (s >= end) break;
       float t = span.x + s;
-      float fine = min(max(t * 0.013, 27.0), cap);
+      float fine = min(max(t * 0.02, 36.0), cap);
       float at_s = min(s + jitter * fine, end);  // stretches of the ray tile it exactly; each is sampled somewhere inside
       float at = span.x + at_s;
       vec3 q = entry_q + scaled_dir * at_s;
@@ -141,9 +141,9 @@ void main() {
           if (sigma > 0.0)
             step_m = tau < 4.0 ? clamp(1.0 / sigma, 0.4 * fine, fine) : 3.0 * fine;  // about one optical depth
           else
-            step_m = clamp(-level * kLevelStep_m, 0.6 * fine, min(3.0 * fine, leap));
+            step_m = clamp(-level * kLevelStep_m, fine, min(4.0 * fine, leap));
         } else {
-          step_m = clamp(-reach * kLevelStep_m, 0.5 * fine, min(fine + 0.08 * t + 200.0, leap));
+          step_m = clamp(-reach * kLevelStep_m, fine, min(fine + 0.08 * t + 200.0, leap));
         }
       }
 

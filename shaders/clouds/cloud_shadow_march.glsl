@@ -3,7 +3,7 @@
 #define NEPHO_CLOUD_SHADOW_MARCH_GLSL
 #include "clouds/cloud_density.glsl"
 
-const int kShadowSteps = 10;
+const int kShadowSteps = 8;
 
 // p_cam: camera-relative point, m. 1 where nothing is between it and the sun; with the sun below the local horizon too
 // (the light that does not arrive needs no shadow).
