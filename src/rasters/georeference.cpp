@@ -249,7 +249,7 @@ std::optional<PixelGrid> native_grid(GDALDataset& dataset, const std::string& pa
   const int width = dataset.GetRasterXSize(), height = dataset.GetRasterYSize();
   const auto g = geotransform_of(dataset);
   const OGRSpatialReference* srs = dataset.GetSpatialRef();
-  const bool broken = srs && srs->IsEmpty() && messages.has_error();  // there was text, but OGR could not read it
+  const bool broken = messages.has_error() && (srs ? srs->IsEmpty() : g.has_value());  // there was text, but OGR could not read it
   if (srs && srs->IsEmpty()) srs = nullptr;
   if (g && srs) {
     require_earth_crs(*srs, path);
@@ -260,7 +260,7 @@ std::optional<PixelGrid> native_grid(GDALDataset& dataset, const std::string& pa
     if (srs->IsSame(&wanted, loosely) || same_as_lon_lat(dataset, *g)) return grid_of(*g, width, height);
     return std::nullopt;
   }
-  if (!srs && (broken || !messages.crs_complaint().empty()))
+  if (broken || (!srs && !messages.crs_complaint().empty()))
     throw fail(ErrorKind::input,
                "{}: its CRS is not one that PROJ knows{}; gdal_translate -a_srs EPSG:CODE gives another", path,
                broken ? messages.in_brackets() : messages.crs_complaint());

@@ -49,7 +49,7 @@ struct RenderParams {
   std::string quality = "high";  ///< low, medium, high, ultra
   uint32_t frames = 1;           ///< frames accumulated, >= 1
   uint32_t seed = 0;
-  std::optional<double> exposure_ev100;  ///< without: from the picture's log-average luminance
+  std::optional<double> exposure_ev100;  ///< without: from the picture's own luminances
   double white_balance_k = 5500.0;  ///< daylight that PNG pictures show as white, K, 4000..25000; 6504 changes nothing
   std::string tone_curve = "agx";   ///< aces, agx, reinhard, linear
   bool operator==(const RenderParams&) const = default;

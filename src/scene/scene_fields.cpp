@@ -302,7 +302,7 @@ void describe(FieldVisitor& v, RenderParams& p) {
          &p.frames);
   v.leaf({.name = "seed", .doc = "start of every pseudo-random sequence", .range = closed(0, 4294967295.0)}, &p.seed);
   v.leaf({.name = "exposure_ev100",
-          .doc = "exposure of PNG pictures; null: from the picture's log-average luminance",
+          .doc = "exposure of PNG pictures; null: from the picture's own luminances",
           .unit = "EV",
           .range = closed(-30, 40),
           .term = "exposure value at ISO 100 (ISO 2720)"},

@@ -120,6 +120,13 @@ TEST_CASE("bad input: a CRS that PROJ does not know") {
   check_refused((folder / "code.tif").string(), "CRS");
 }
 
+TEST_CASE("bad input: a CRS file beside the raster that is broken is not the same as none") {
+  const TempFolder folder;
+  std::ofstream(folder / "grid.asc") << "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 10\n1 2\n3 4\n";
+  std::ofstream(folder / "grid.prj") << "PROJCS[\"nonsense";
+  check_refused((folder / "grid.asc").string(), "CRS");
+}
+
 TEST_CASE("bad input: bands that make no heights or no picture") {
   const TempFolder folder;
   RasterRecipe recipe = small(64, 32, 3);
