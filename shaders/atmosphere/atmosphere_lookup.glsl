@@ -47,7 +47,9 @@ AirRay air_ray_from(PlanetView planet, vec3 up, vec3 sun_dir, vec3 dir) {
   ray.outside = false;
   ray.start_m = 0.0;
   ray.stretch = length(scaled);
-  ray.h = max(scaled_height_from_f(planet, planet.camera_f_m2), 0.0);
+  // A micrometre along the ray: a condition that depends on uniforms alone makes Mesa's software driver compile the shader
+  // anew, for seconds, for each of their values (it folds them in); this one also depends on the pixel.
+  ray.h = max(scaled_height_from_f(planet, planet_f(planet, 1.0e-6 * dir)), 0.0);
   ray.nu = clamp(dot(dir, sun_dir), -1.0, 1.0);
   vec3 q = planet.camera_q_m;
   if (ray.h > air.top_m) {
