@@ -43,12 +43,17 @@ struct CloudColumn {
   vec2 bend;       // displacement of the cells, in their texture coordinate
 };
 
-CloudColumn cloud_column(vec3 p_cam, vec3 up, float height_m, float log2_footprint) {
-  CloudColumn c;
-  vec3 foot = p_cam - up * height_m;  // columns are vertical: the field is read on the ellipsoid
-  vec3 q = frame.frame_data.planet.camera_q_m + scaled_from_cam(frame.frame_data.planet, p_cam);
+// Probit of the coverage that the weather map (20 km texels) has over a point.
+float cloud_probit(vec3 p_cam, float log2_footprint) {
+  vec3 q = planet_q(frame.frame_data.planet, p_cam);
   float share = textureLod(cloud_weather, CLOUD.weather_from_ecef * q, max(log2_footprint - CLOUD.log2_weather_texel_m, 0.0)).r;
-  c.probit = threshold_probit(probit_from_share(share));
+  return threshold_probit(probit_from_share(share));
+}
+
+CloudColumn cloud_column_with(float probit, vec3 p_cam, vec3 up, float height_m, float log2_footprint) {
+  CloudColumn c;
+  c.probit = probit;
+  vec3 foot = p_cam - up * height_m;  // columns are vertical: the field is read on the ellipsoid
   float lod = max(log2_footprint + kRegionalBias - CLOUD.domains[kDomainRegional].log2_texel_m, 0.0);
   // One field bends the lattice of the next.
   vec3 uvw = cloud_uvw(kDomainRegional, foot);
@@ -64,6 +69,10 @@ CloudColumn cloud_column(vec3 p_cam, vec3 up, float height_m, float log2_footpri
               kMesoWeight * kMesoWeight * (1.0 - variance_left(lod, CLOUD.fade_start.x, CLOUD.fade_per_lod.x));
   c.bend = 0.03 * meso;
   return c;
+}
+
+CloudColumn cloud_column(vec3 p_cam, vec3 up, float height_m, float log2_footprint) {
+  return cloud_column_with(cloud_probit(p_cam, log2_footprint), p_cam, up, height_m, log2_footprint);
 }
 
 CloudColumn mix_columns(CloudColumn a, CloudColumn b, float u) {

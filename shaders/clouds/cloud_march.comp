@@ -14,6 +14,7 @@ layout(set = 0, binding = 21, rgba32f) uniform writeonly image2D out_radiance;
 layout(set = 0, binding = 22, rgba32f) uniform writeonly image2D out_info;
 
 const int kMaxSteps = 176;
+const int kCovers = 8;             // readings of the weather map along a ray
 const int kMaxLights = 6;           // points of a ray that look for the sun
 const float kLightShare = 0.20;     // about how much of what the ray sees each stands for
 const float kOpaque = 1.0e-3;       // transmittance at which nothing behind matters
@@ -92,6 +93,14 @@ void main() {
     int lights = 0;
     float light_share = mix(kLightShare, 0.45, coarse);
     vec3 wide = vec3(0.0);  // optical depths so far of the two wide lobes and of sky light
+    // Coverage at distances that grow as squares: read here, where all rays of a group read together. (A software device pays
+    // for everything within the march's loop at every step, whether a condition asks for it or not.)
+    float covers[kCovers];
+    for (int i = 0; i < kCovers; ++i) {
+      float u = float(i) / float(kCovers - 1);
+      float cover_t = span.x + end * u * u;
+      covers[i] = cloud_probit(dir * cover_t, log2(max(frame.frame_data.pixel_angle_rad * cover_t, 1.0)));
+    }
     for (; steps < kMaxSteps && s < end; ++steps) {
       if (s >= gap_s.x && s < gap_s.y) s = gap_s.y;
       if (s >= end) break;
@@ -123,7 +132,10 @@ void main() {
           far_t = max(far_t + column_m, at);
           vec3 far_p = dir * far_t;
           float far_footprint_m = frame.frame_data.pixel_angle_rad * far_t;
-          far = cloud_column(far_p, geodetic_up(planet, far_p), geodetic_height(planet, far_p), log2(max(far_footprint_m, 1.0)));
+          float place = sqrt(clamp((far_t - span.x) / end, 0.0, 1.0)) * float(kCovers - 1);
+          int first = min(int(place), kCovers - 2);
+          far = cloud_column_with(mix(covers[first], covers[first + 1], place - float(first)), far_p, geodetic_up(planet, far_p),
+                                  geodetic_height(planet, far_p), log2(max(far_footprint_m, 1.0)));
           column_m = max(kColumn_m, 2.0 * far_footprint_m) / max(sqrt(max(1.0 - pow(dot(dir, up), 2.0), 0.0)), 0.05);
         }
         column = mix_columns(near, far, (at - near_t) / max(far_t - near_t, 1.0e-3));
