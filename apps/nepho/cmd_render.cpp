@@ -24,6 +24,8 @@ std::set<std::string> parse_layers(const std::string& text, const std::vector<st
   std::set<std::string> layers;
   std::istringstream in(text);
   for (std::string name; std::getline(in, name, ',');) {
+    if (name == "surface.shadow" || name == "sun.transmittance")
+      throw fail(ErrorKind::usage, "--aov {}: not supported yet", name);
     if (std::find(known.begin(), known.end(), name) == known.end()) {
       const std::string nearest = nearest_name(name, known);
       throw fail(ErrorKind::usage, "--aov: '{}' is unknown; {}known: {}", name,

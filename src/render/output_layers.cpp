@@ -53,11 +53,27 @@ void add_positions(ImageBuffer& out, const FrameReadback& frame, const CameraPos
 
 const std::vector<std::string>& known_layers() {
   static const std::vector<std::string> names = {"depth",
+                                                 "depth.Z",
                                                  "position",
+                                                 "position.lat_deg",
+                                                 "position.lon_deg",
+                                                 "position.height_m",
+                                                 "position.dx_m",
+                                                 "position.dy_m",
+                                                 "position.dz_m",
                                                  "surface",
+                                                 "surface.R",
+                                                 "surface.G",
+                                                 "surface.B",
                                                  "surface.mask",
                                                  "albedo",
+                                                 "albedo.R",
+                                                 "albedo.G",
+                                                 "albedo.B",
                                                  "cloud",
+                                                 "cloud.R",
+                                                 "cloud.G",
+                                                 "cloud.B",
                                                  "cloud.transmittance",
                                                  "cloud.optical_depth",
                                                  "cloud.depth_m",
@@ -70,24 +86,31 @@ ImageBuffer make_output_layers(const FrameReadback& frame, const CameraPose& pos
   ImageBuffer out;
   out.width = frame.extent.width;
   out.height = frame.extent.height;
-  const auto want = [&](const std::string& name) { return wanted.empty() || wanted.contains(name); };
+  // A group ("position") stands for all of its channels.
+  const auto want_channel = [&](const std::string& name) {
+    return wanted.empty() || wanted.contains(name) || wanted.contains(name.substr(0, name.find('.')));
+  };
+  const auto want_some = [&](const std::string& group) {
+    return wanted.empty() || std::any_of(wanted.begin(), wanted.end(), [&](const std::string& w) {
+             return w == group || w.starts_with(group + ".");
+           });
+  };
   add_rgb(out, "", frame.radiance);
-  if (want("depth")) add_channel(out, "depth.Z", [&](size_t i) { return frame.depth_m[i]; });
-  if (want("position")) add_positions(out, frame, pose);
-  if (want("surface")) add_rgb(out, "surface.", frame.background);
-  if (want("surface.mask") || wanted.contains("surface"))
+  if (want_some("depth")) add_channel(out, "depth.Z", [&](size_t i) { return frame.depth_m[i]; });
+  if (want_some("position")) add_positions(out, frame, pose);
+  if (want_some("surface")) {
+    add_rgb(out, "surface.", frame.background);
     add_channel(out, "surface.mask", [&](size_t i) { return std::round(frame.albedo[4 * i + 3]); });
-  if (want("albedo")) add_rgb(out, "albedo.", frame.albedo);
-  if (want("cloud")) add_rgb(out, "cloud.", frame.cloud);
-  const bool whole_cloud = wanted.contains("cloud");
-  if (whole_cloud || want("cloud.transmittance"))
+  }
+  if (want_some("albedo")) add_rgb(out, "albedo.", frame.albedo);
+  if (want_some("cloud")) {
+    add_rgb(out, "cloud.", frame.cloud);
     add_channel(out, "cloud.transmittance", [&](size_t i) { return frame.cloud[4 * i + 3]; });
-  if (whole_cloud || want("cloud.depth_m"))
     add_channel(out, "cloud.depth_m", [&](size_t i) { return frame.cloud_info[4 * i]; });
-  if (whole_cloud || want("cloud.optical_depth"))
     add_channel(out, "cloud.optical_depth", [&](size_t i) { return frame.cloud_info[4 * i + 1]; });
-  if (whole_cloud || want("cloud.layer"))
     add_channel(out, "cloud.layer", [&](size_t i) { return frame.cloud_info[4 * i + 2]; });
+  }
+  std::erase_if(out.channels, [&](const ImageChannel& c) { return c.name.size() > 1 && !want_channel(c.name); });
   return out;
 }
 

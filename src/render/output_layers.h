@@ -20,7 +20,7 @@ struct FrameReadback {
   std::vector<float> cloud_info;  ///< RGBA: depth_m, optical depth, layer, -
 };
 
-/// Names that `--aov` knows, each with the channels that it stands for ("position" -> position.lat_deg, ...).
+/// Names that `--aov` knows: channels ("depth.Z") and groups of them ("position").
 const std::vector<std::string>& known_layers();
 
 /// The layers of DESIGN.md, 'Images that mean something'. `wanted` empty: all. R, G, B are always there.

@@ -1,11 +1,13 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/tonemap.h"
 #include "common/water.h"
 #include "render/camera_pose.h"
 #include "render/frame_setup.h"
+#include "render/output_layers.h"
 #include "render/white_balance.h"
 
 using namespace nepho;
@@ -109,4 +111,27 @@ TEST_CASE("white balance: 6504 K changes nothing, daylight of the chosen tempera
   const glm::dvec3 grey = rec709_white_balance(5503.0) * d55;
   CHECK(grey.r == doctest::Approx(grey.g).epsilon(3e-3));
   CHECK(grey.b == doctest::Approx(grey.g).epsilon(3e-3));
+}
+
+TEST_CASE("output layers: a channel or a group is written when asked for, R G B always, all without a wish") {
+  FrameReadback frame;
+  frame.extent = {1, 1};
+  frame.radiance = frame.background = frame.albedo = frame.cloud = frame.cloud_info = {1, 2, 3, 1};
+  frame.depth_m = {100.0f};
+  CameraParams params;
+  params.height_m = 10.0;
+  const CameraPose pose = resolve_camera(params, [](double, double) { return 0.0; });
+  const auto names = [&](const std::set<std::string>& wanted) {
+    std::vector<std::string> out;
+    for (const ImageChannel& c : make_output_layers(frame, pose, wanted).channels) out.push_back(c.name);
+    return out;
+  };
+  CHECK(names({"position.lat_deg", "cloud.layer"}) ==
+        std::vector<std::string>{"R", "G", "B", "position.lat_deg", "cloud.layer"});
+  CHECK(names({"depth"}) == std::vector<std::string>{"R", "G", "B", "depth.Z"});
+  CHECK(names({}).size() == 3 + 1 + 6 + 4 + 3 + 7);
+  for (const std::string& name : names({})) {
+    const auto& known = known_layers();
+    CHECK((name.size() == 1 || std::find(known.begin(), known.end(), name) != known.end()));
+  }
 }
