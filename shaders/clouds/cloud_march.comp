@@ -146,7 +146,7 @@ void main() {
         if (reach > 0.0) {
           level += cloud_shape_level(p, eta, log2_footprint, unknown);
           if (abs(level) < 0.3 && transmittance > 0.1) level += cloud_detail_level(p, eta, log2_footprint, unknown);
-          CloudMedium medium = cloud_medium(level, unknown, fine * 0.0003, eta, footprint_m);
+          CloudMedium medium = cloud_medium(level, unknown, fine * 0.0006, eta, footprint_m);
           sigma = medium.sigma_per_m;
           clump_depth = medium.clump_depth;
           unresolved = clamp(3.0 * unknown, 0.0, 1.0);
