@@ -23,6 +23,17 @@ struct FrameConstants {
   uvec2 size;                 // px
   vec2 jitter_px;             // sub-pixel offset of this frame's rays
   float near_m;               // reversed-Z infinite projection: depth = near / z
+  uint light_count;           // 1: the sun alone lights the air; 2: the moon as well
+  vec3 moon_dir;              // unit, from the camera towards the moon's centre (parallax included), ECEF axes
+  float moon_angular_radius_rad;
+  vec3 moon_share;            // moonlight at the top of the air per sunlight at 1 au, per channel
+  float pad0;
+  vec3 key_dir;               // unit, towards the light that casts shadows on clouds and ground: the sun, deep at night the moon
+  float pad1;
+  vec3 key_illuminance;       // of that light on a facing plane at the top of the air, lux per channel
+  float pad2;
+  vec3 sun_illuminance_1au;   // sun_illuminance / sun_distance_factor
+  float pad3;
 };
 
 // Unit direction through pixel coordinates (pixel centres at +0.5).

@@ -1,5 +1,6 @@
 #pragma once
 #include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 
 namespace nepho {
@@ -19,8 +20,13 @@ struct MieParams {
   glm::dvec3 scattering_per_m = {1.8e-5, 2.38e-5, 3.18e-5};
   /// Extinction at height 0, 1/m, >= scattering.
   glm::dvec3 extinction_per_m = {1.9e-5, 2.5e-5, 3.34e-5};
-  double scale_height_m = 1200.0;                             ///< m, > 0
-  double phase_g = 0.8;                                       ///< Cornette-Shanks asymmetry, (-1, 1)
+  double scale_height_m = 1200.0;         ///< m, > 0
+  double phase_g = 0.8;                   ///< asymmetry of the phase function, (-1, 1)
+  std::string phase = "cornette-shanks";  ///< cornette-shanks, henyey-greenstein
+  /// Vertical optical depth at 550 nm; sets the coefficients' level and keeps their spectrum and albedo.
+  std::optional<double> optical_depth;
+  /// Meteorological visibility at height 0 (Koschmieder: 3.912 / extinction at 550 nm, gas included), m; the same.
+  std::optional<double> visibility_m;
   bool operator==(const MieParams&) const = default;
 };
 
@@ -29,6 +35,7 @@ struct OzoneParams {
   glm::dvec3 absorption_per_m = {6.497166e-07, 1.8809e-06, 8.501668e-08};  ///< at the tent's top, 1/m, >= 0 (300 DU)
   double center_m = 25000.0;                                               ///< m
   double half_width_m = 15000.0;                                           ///< m, > 0
+  std::optional<double> column_du;  ///< Dobson units of terrestrial ozone; replaces absorption_per_m
   bool operator==(const OzoneParams&) const = default;
 };
 
@@ -45,11 +52,16 @@ struct AtmosphereParams {
   double ground_albedo = 0.1;                   ///< mean albedo that lights the sky from below, 0..1
   double min_sun_zenith_cos = -0.207911690818;  ///< sun cosine down to which the tables reach; cos 102 deg
   int scattering_orders = 4;                    ///< >= 1; 1 is single scattering
+  std::string spectral = "full";                ///< fast: three wavelengths; full: fifteen, summed to luminance
   bool operator==(const AtmosphereParams&) const = default;
 
   static AtmosphereParams earth() { return {}; }
   /// The spherical planet of Bruneton's demo: radius 6360 km.
   static AtmosphereParams bruneton_demo();
 };
+
+/// The same air with optical_depth, visibility_m and column_du worked into the coefficients, and empty.
+/// Throws Error(usage) when they contradict each other or ask for air clearer than gas alone.
+AtmosphereParams resolved(const AtmosphereParams& params);
 
 }  // namespace nepho

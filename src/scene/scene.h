@@ -50,9 +50,21 @@ struct RenderParams {
   uint32_t frames = 1;           ///< frames accumulated, >= 1
   uint32_t seed = 0;
   std::optional<double> exposure_ev100;  ///< without: from the picture's own luminances
+  double min_ev100 = -6.0;               ///< automatic exposure stays within min_ev100..max_ev100
+  double max_ev100 = 17.0;
+  double exposure_compensation_ev = 0.0;  ///< added to the automatic exposure's brightness, stops
+  double exposure_adaptation_s = 1.0;     ///< time constant of automatic exposure in sequences, s; stills do not adapt
   double white_balance_k = 5500.0;  ///< daylight that PNG pictures show as white, K, 4000..25000; 6504 changes nothing
   std::string tone_curve = "agx";   ///< aces, agx, reinhard, linear
   bool operator==(const RenderParams&) const = default;
+};
+
+/// What the night sky holds besides the air.
+struct NightSkyParams {
+  bool stars = true;              ///< of the Bright Star Catalogue
+  bool moon = true;               ///< its disc and its light
+  double airglow_cd_m2 = 1.0e-4;  ///< luminance of the airglow layer seen vertically from below, cd/m2, >= 0
+  bool operator==(const NightSkyParams&) const = default;
 };
 
 /// A picture as plain data: everything has a default, is saved and read back (scene_json.h).
@@ -60,6 +72,7 @@ struct Scene {
   std::string time = "2026-06-20T23:30:00Z";  ///< UTC, ISO 8601; a fixed date, never now
   CameraParams camera;
   AtmosphereParams atmosphere;
+  NightSkyParams night_sky;
   CloudParams clouds;
   TerrainParams terrain;
   ImageryParams imagery;
