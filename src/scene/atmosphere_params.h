@@ -2,6 +2,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace nepho {
 
@@ -21,7 +22,7 @@ struct MieParams {
   /// Extinction at height 0, 1/m, >= scattering.
   glm::dvec3 extinction_per_m = {1.9e-5, 2.5e-5, 3.34e-5};
   double scale_height_m = 1200.0;         ///< m, > 0
-  double phase_g = 0.8;                   ///< asymmetry of the phase function, (-1, 1)
+  double phase_g = 0.8;                   ///< asymmetry of the phase function, -0.99..0.99
   std::string phase = "cornette-shanks";  ///< cornette-shanks, henyey-greenstein
   /// Vertical optical depth at 550 nm; sets the coefficients' level and keeps their spectrum and albedo.
   std::optional<double> optical_depth;
@@ -43,7 +44,7 @@ struct OzoneParams {
 struct AtmosphereParams {
   double equatorial_radius_m = 6378137.0;     ///< a, m. Default: WGS84
   double polar_radius_m = 6356752.314245179;  ///< b, m
-  double top_height_m = 60000.0;              ///< above the ground, m; several scale heights (Bruneton 2017)
+  double top_height_m = 100000.0;             ///< where the air ends, above the ground, m; >= 3 scale heights
   RayleighParams rayleigh;
   MieParams mie;
   OzoneParams ozone;
@@ -56,12 +57,30 @@ struct AtmosphereParams {
   bool operator==(const AtmosphereParams&) const = default;
 
   static AtmosphereParams earth() { return {}; }
-  /// The spherical planet of Bruneton's demo: radius 6360 km.
+  /// The spherical planet of Bruneton's demo: radius 6360 km, air up to 60 km.
   static AtmosphereParams bruneton_demo();
 };
 
-/// The same air with optical_depth, visibility_m and column_du worked into the coefficients, and empty.
-/// Throws Error(usage) when they contradict each other or ask for air clearer than gas alone.
+/// The air of a name in atmosphere_preset_names(); nothing for any other name.
+std::optional<AtmosphereParams> atmosphere_preset(const std::string& name);
+/// "earth", "bruneton-demo".
+const std::vector<std::string>& atmosphere_preset_names();
+
+/// What is wrong with an atmosphere, and which of its members says so.
+struct AtmosphereProblem {
+  std::string member;  ///< "mie.visibility_m", "rayleigh.scattering_per_m[1]"
+  std::string reason;  ///< "1e6 is more than gas alone allows; at most 288543 m"
+};
+/// The first rule between parameters that is broken, if any (ranges of single ones: scene_validate.h): contradictions,
+/// air clearer than gas alone, air thinner than 3 scale heights, a vertical optical depth above 100, extinction below
+/// scattering, radii that do not fit. NaN breaks the rule that meets it.
+std::optional<AtmosphereProblem> find_problem(const AtmosphereParams& params);
+
+/// The same air with optical_depth, visibility_m and column_du worked into the coefficients, and empty:
+/// - optical_depth = extinction at height 0 times scale height (of an exponential profile without a top);
+/// - visibility_m: Koschmieder 1924, 3.912 / (extinction of aerosol and gas at 550 nm);
+/// - column_du: 300 DU are the default absorption over the default tent; only the part of the tent in the air counts.
+/// Throws Error(usage) that names the parameter when find_problem() finds one.
 AtmosphereParams resolved(const AtmosphereParams& params);
 
 }  // namespace nepho

@@ -4,18 +4,15 @@
 
 #include <cmath>
 
+#include "scene/atmosphere_fields.h"
+#include "scene/field_ranges.h"
+
 namespace nepho {
 
 namespace {
 
-constexpr double kUnbounded = std::numeric_limits<double>::infinity();
-Range closed(double min, double max) { return {.min = min, .max = max}; }
-Range open(double min, double max) { return {.min = min, .max = max, .min_open = true, .max_open = true}; }
-Range above(double min, double max = kUnbounded) { return {.min = min, .max = max, .min_open = true}; }
-
 // Below the deepest trench; beyond the Moon's orbit no cloud is a pixel wide.
 const Range kHeights = closed(-12000.0, 1e9);
-const Range kShare = closed(0.0, 1.0);
 
 void describe(FieldVisitor& v, LookAt& p) {
   v.leaf({.name = "lat_deg",
@@ -93,108 +90,6 @@ void describe(FieldVisitor& v, CameraParams& p) {
          &p.fov_deg);
 }
 
-void describe(FieldVisitor& v, RayleighParams& p) {
-  v.leaf({.name = "scattering_per_m",
-          .doc = "scattering coefficient at height 0; more makes the sky bluer and sunsets redder",
-          .unit = "1/m",
-          .range = closed(0, 1),
-          .term = "beta_R; 1.24062e-6 lambda_um^-4 (Bruneton 2017)"},
-         &p.scattering_per_m);
-  v.leaf({.name = "scale_height_m",
-          .doc = "height over which the density falls by e",
-          .unit = "m",
-          .range = above(0, 1e6),
-          .term = "H_R"},
-         &p.scale_height_m);
-}
-
-void describe(FieldVisitor& v, MieParams& p) {
-  v.leaf({.name = "scattering_per_m",
-          .doc = "scattering coefficient of aerosol at height 0; more makes the air hazier",
-          .unit = "1/m",
-          .range = closed(0, 1),
-          .term = "beta_M"},
-         &p.scattering_per_m);
-  v.leaf({.name = "extinction_per_m",
-          .doc = "extinction coefficient of aerosol at height 0, not below scattering_per_m",
-          .unit = "1/m",
-          .range = closed(0, 1),
-          .term = "beta_M / single-scattering albedo"},
-         &p.extinction_per_m);
-  v.leaf({.name = "scale_height_m",
-          .doc = "height over which the density falls by e",
-          .unit = "m",
-          .range = above(0, 1e6),
-          .term = "H_M"},
-         &p.scale_height_m);
-  v.leaf({.name = "phase_g",
-          .doc = "asymmetry of aerosol scattering; towards 1 the glow around the sun is smaller and brighter",
-          .range = open(-1, 1),
-          .term = "g of Cornette-Shanks 1992"},
-         &p.phase_g);
-}
-
-void describe(FieldVisitor& v, OzoneParams& p) {
-  v.leaf({.name = "absorption_per_m",
-          .doc = "absorption coefficient where ozone is densest; more makes twilight bluer",
-          .unit = "1/m",
-          .range = closed(0, 1),
-          .term = "300 Dobson units (Bruneton 2017)"},
-         &p.absorption_per_m);
-  v.leaf({.name = "center_m", .doc = "height where ozone is densest", .unit = "m", .range = closed(0, 1e6)},
-         &p.center_m);
-  v.leaf({.name = "half_width_m",
-          .doc = "distance from there, up and down, over which the density falls to 0",
-          .unit = "m",
-          .range = above(0, 1e6)},
-         &p.half_width_m);
-}
-
-void describe(FieldVisitor& v, AtmosphereParams& p) {
-  v.leaf({.name = "equatorial_radius_m",
-          .doc = "radius of the planet at its equator",
-          .unit = "m",
-          .range = closed(1e5, 1e9),
-          .term = "a of WGS84"},
-         &p.equatorial_radius_m);
-  v.leaf({.name = "polar_radius_m",
-          .doc = "radius of the planet at its poles",
-          .unit = "m",
-          .range = closed(1e5, 1e9),
-          .term = "b of WGS84"},
-         &p.polar_radius_m);
-  v.leaf({.name = "top_height_m",
-          .doc = "height above the ellipsoid where the air ends",
-          .unit = "m",
-          .range = closed(1000, 1e6),
-          .term = "top of the atmosphere (Bruneton 2017)"},
-         &p.top_height_m);
-  v.group({.name = "rayleigh", .doc = "scattering by the molecules of the air"}, [&] { describe(v, p.rayleigh); });
-  v.group({.name = "mie", .doc = "scattering and absorption by aerosol"}, [&] { describe(v, p.mie); });
-  v.group({.name = "ozone", .doc = "absorption by ozone"}, [&] { describe(v, p.ozone); });
-  v.leaf({.name = "solar_irradiance_W_m2_nm",
-          .doc = "spectral irradiance of the sun at 1 au, above the air",
-          .unit = "W/(m^2 nm)",
-          .range = closed(0, 1000),
-          .term = "ASTM G173 as in Bruneton 2017"},
-         &p.solar_irradiance_W_m2_nm);
-  v.leaf({.name = "ground_albedo",
-          .doc = "mean reflectance of the ground that lights the sky from below",
-          .range = kShare,
-          .term = "Lambertian albedo"},
-         &p.ground_albedo);
-  v.leaf({.name = "min_sun_zenith_cos",
-          .doc = "cosine of the largest zenith angle of the sun that the tables hold; below it is night",
-          .range = {.min = -1.0, .max = 0.0, .max_open = true},
-          .term = "mu_s_min (Bruneton 2017)"},
-         &p.min_sun_zenith_cos);
-  v.leaf({.name = "scattering_orders",
-          .doc = "how often light is scattered at most; 1 is single scattering",
-          .range = closed(1, 20),
-          .term = "number of scattering orders"},
-         &p.scattering_orders);
-}
-
 void describe(FieldVisitor& v, CloudLayer& p) {
   v.leaf({.name = "base_m", .doc = "height of the base above the ellipsoid", .unit = "m", .range = closed(-500, 1e5)},
          &p.base_m);
@@ -209,15 +104,15 @@ void describe(FieldVisitor& v, CloudLayer& p) {
           .range = closed(0, 10),
           .term = "sigma_t"},
          &p.extinction_per_m);
-  v.leaf({.name = "shape_amount", .doc = "how much the coarse noise carves", .range = kShare}, &p.shape_amount);
-  v.leaf({.name = "detail_amount", .doc = "how much the fine noise erodes the edges", .range = kShare},
+  v.leaf({.name = "shape_amount", .doc = "how much the coarse noise carves", .range = share()}, &p.shape_amount);
+  v.leaf({.name = "detail_amount", .doc = "how much the fine noise erodes the edges", .range = share()},
          &p.detail_amount);
 }
 
 void describe(FieldVisitor& v, CloudParams& p) {
   v.leaf({.name = "coverage",
           .doc = "vertically projected share of the sky with optical depth > 1; 0 is clear",
-          .range = kShare,
+          .range = share(),
           .term = "cloud fraction"},
          &p.coverage);
   v.items({.name = "layers", .doc = "cloud layers; only the first is drawn so far"},
@@ -262,7 +157,7 @@ void describe(FieldVisitor& v, CloudParams& p) {
           .range = open(-1, 1),
           .term = "g of Henyey-Greenstein 1941"},
          &p.phase_g_backward);
-  v.leaf({.name = "phase_backward_weight", .doc = "share of the backward lobe", .range = kShare},
+  v.leaf({.name = "phase_backward_weight", .doc = "share of the backward lobe", .range = share()},
          &p.phase_backward_weight);
 }
 
@@ -307,6 +202,28 @@ void describe(FieldVisitor& v, RenderParams& p) {
           .range = closed(-30, 40),
           .term = "exposure value at ISO 100 (ISO 2720)"},
          &p.exposure_ev100);
+  v.leaf({.name = "min_ev100",
+          .doc = "the least exposure value that automatic exposure takes: night stays darker than day",
+          .unit = "EV",
+          .range = closed(-30, 40)},
+         &p.min_ev100);
+  v.leaf({.name = "max_ev100",
+          .doc = "the largest exposure value that automatic exposure takes, not below min_ev100",
+          .unit = "EV",
+          .range = closed(-30, 40)},
+         &p.max_ev100);
+  v.leaf({.name = "exposure_compensation_ev",
+          .doc = "makes automatic exposures brighter by so many stops",
+          .unit = "EV",
+          .range = closed(-20, 20),
+          .term = "exposure compensation"},
+         &p.exposure_compensation_ev);
+  v.leaf({.name = "exposure_adaptation_s",
+          .doc = "time over which automatic exposure follows the light in sequences; stills do not adapt",
+          .unit = "s",
+          .range = closed(0, 3600),
+          .term = "time constant of adaptation"},
+         &p.exposure_adaptation_s);
   v.leaf({.name = "white_balance_k",
           .doc = "daylight that PNG pictures show as white; 6504 changes nothing",
           .unit = "K",
@@ -367,6 +284,10 @@ void FieldVisitor::items(const Field& field, const Items& items) {
   const PathScope scope(path_, field.name);
   on_items(field, items);
 }
+void FieldVisitor::preset(const Field& field, const std::function<bool(const std::string&)>& apply) {
+  const PathScope scope(path_, field.name);
+  on_preset(field, apply);
+}
 void FieldVisitor::at_index(size_t index, const std::function<void()>& visit) {
   const PathScope scope(path_, fmt::format("[{}]", index));
   visit();
@@ -380,6 +301,8 @@ void visit_fields(FieldVisitor& v, Scene& scene) {
   v.group({.name = "camera", .doc = "where the picture is taken from"}, [&] { describe(v, scene.camera); });
   v.group({.name = "atmosphere", .doc = "clear air; vectors hold the values at 680, 550, 440 nm"},
           [&] { describe(v, scene.atmosphere); });
+  v.group({.name = "night_sky", .doc = "what the night sky holds besides the air"},
+          [&] { describe(v, scene.night_sky); });
   v.group({.name = "clouds", .doc = "the sky's clouds"}, [&] { describe(v, scene.clouds); });
   v.group({.name = "terrain", .doc = "the shape of the ground"}, [&] { describe(v, scene.terrain); });
   v.group({.name = "imagery", .doc = "the colours of the ground"}, [&] { describe(v, scene.imagery); });

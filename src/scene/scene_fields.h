@@ -61,12 +61,16 @@ class FieldVisitor {
   void leaf(const Field& field, Leaf value);
   void group(const Field& field, const std::function<void()>& members);
   void items(const Field& field, const Items& items);
+  /// A key that fills the group at hand with one of `field.choices`, before its other members are read. It is read, not
+  /// saved: a saved scene has the values themselves. `apply` returns false for an unknown name.
+  void preset(const Field& field, const std::function<bool(const std::string& name)>& apply);
   const std::string& path() const { return path_; }
 
  protected:
   virtual void on_leaf(const Field& field, Leaf value) = 0;
   virtual void on_group(const Field& field, const std::function<void()>& members) = 0;
   virtual void on_items(const Field& field, const Items& items) = 0;
+  virtual void on_preset(const Field&, const std::function<bool(const std::string&)>&) {}
   /// Calls `visit` with item `index` of the group at hand as the path.
   void at_index(size_t index, const std::function<void()>& visit);
 

@@ -33,6 +33,13 @@ class Reader : public FieldVisitor {
     members();
     close();
   }
+  void on_preset(const Field& field, const std::function<bool(const std::string&)>& apply) override {
+    const Json* json = find(field);
+    if (!json) return;
+    if (!json->is_string()) throw wrong_type("a string", *json);
+    if (!apply(json->get<std::string>()))
+      throw fail(ErrorKind::input, "{}: {}: {}", source_, path(), no_choice(json->get<std::string>(), field.choices));
+  }
   void on_items(const Field& field, const Items& items) override {
     const Json* json = find(field);
     if (!json) return;

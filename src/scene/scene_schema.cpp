@@ -65,6 +65,10 @@ class SchemaWriter : public FieldVisitor {
   void on_group(const Field& field, const std::function<void()>& members) override {
     (*at_)[field.name] = object_schema(field, members);
   }
+  void on_preset(const Field& field, const std::function<bool(const std::string&)>&) override {
+    (*at_)[field.name] = {
+        {"type", "string"}, {"enum", field.choices}, {"description", field.doc}, {"default", field.choices.front()}};
+  }
   void on_items(const Field& field, const Items& items) override {
     Json item = object_schema(field, [&] { items.visit_default(*this); });
     if (!items.list) {
@@ -104,6 +108,9 @@ class MarkdownWriter : public FieldVisitor {
   }
   void on_group(const Field& field, const std::function<void()>& members) override {
     section(path(), sentence(field.doc), members);
+  }
+  void on_preset(const Field& field, const std::function<bool(const std::string&)>&) override {
+    row(field, fmt::format("{}", fmt::join(field.choices, ", ")), Json(field.choices.front()).dump());
   }
   void on_items(const Field& field, const Items& items) override {
     row(field, items.list ? fmt::format("list of 0..{}", items.max) : "see below",

@@ -16,11 +16,8 @@ class Validator : public FieldVisitor {
 
   void check_text(const Field& field, const std::string& value) const {
     const std::vector<std::string>& choices = field.choices;
-    if (!choices.empty() && std::find(choices.begin(), choices.end(), value) == choices.end()) {
-      const std::string nearest = nearest_name(value, choices);
-      throw wrong(path(), fmt::format("'{}' is not one of {}{}", value, fmt::join(choices, ", "),
-                                      nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest)));
-    }
+    if (!choices.empty() && std::find(choices.begin(), choices.end(), value) == choices.end())
+      throw wrong(path(), no_choice(value, choices));
     if (field.text == TextKind::file && value.empty()) throw wrong(path(), "is empty; name a file");
     if (field.text == TextKind::utc) {
       try {
@@ -78,15 +75,11 @@ class Validator : public FieldVisitor {
 void check_together(const Scene& scene, const Validator& validator) {
   if (scene.camera.height_m && scene.camera.agl_m)
     throw validator.wrong("camera.agl_m", "camera.height_m is given too; keep one of the two");
-  const AtmosphereParams& air = scene.atmosphere;
-  if (air.polar_radius_m > air.equatorial_radius_m)
-    throw validator.wrong("atmosphere.polar_radius_m", fmt::format("{} is larger than equatorial_radius_m {}",
-                                                                   air.polar_radius_m, air.equatorial_radius_m));
-  for (int i = 0; i < 3; ++i)
-    if (air.mie.extinction_per_m[i] < air.mie.scattering_per_m[i])
-      throw validator.wrong(
-          fmt::format("atmosphere.mie.extinction_per_m[{}]", i),
-          fmt::format("{} is less than scattering_per_m {}", air.mie.extinction_per_m[i], air.mie.scattering_per_m[i]));
+  if (const auto problem = find_problem(scene.atmosphere))
+    throw validator.wrong("atmosphere." + problem->member, problem->reason);
+  if (scene.render.min_ev100 > scene.render.max_ev100)
+    throw validator.wrong("render.min_ev100", fmt::format("{} is larger than max_ev100 {}", scene.render.min_ev100,
+                                                          scene.render.max_ev100));
 }
 
 class PathLister : public FieldVisitor {
@@ -111,6 +104,12 @@ void validate(const Scene& scene, ErrorKind kind, const NameParameter& name) {
   Validator validator(kind, name);
   visit_fields(validator, copy);
   check_together(scene, validator);
+}
+
+std::string no_choice(const std::string& value, const std::vector<std::string>& choices) {
+  const std::string nearest = nearest_name(value, choices);
+  return fmt::format("'{}' is not one of {}{}", value, fmt::join(choices, ", "),
+                     nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest));
 }
 
 std::vector<std::string> parameter_paths() {

@@ -15,6 +15,9 @@ using NameParameter = std::function<std::string(const std::string& path)>;
 /// "clouds.coverage: 1.5 is out of range; allowed: 0..1".
 void validate(const Scene& scene, ErrorKind kind, const NameParameter& name = {});
 
+/// "'hihg' is not one of low, medium, high, ultra; did you mean 'high'?"
+std::string no_choice(const std::string& value, const std::vector<std::string>& choices);
+
 /// The paths of all parameters, those of optional groups included: "camera.fov_deg", "clouds.layers[0].base_m".
 std::vector<std::string> parameter_paths();
 

@@ -56,7 +56,10 @@ class Changer : public FieldVisitor {
   static void change(const Field&, int& v) { v += 1; }
   static void change(const Field&, bool& v) { v = !v; }
   static void change(const Field& f, std::string& v) {
-    v = f.text == TextKind::utc ? "1999-12-31T23:59:59.25Z" : f.choices.empty() ? v + "x" : f.choices[1];
+    if (f.text == TextKind::utc)
+      v = "1999-12-31T23:59:59.25Z";
+    else
+      v = f.choices.empty() ? v + "x" : f.choices[v == f.choices[1] ? 0 : 1];
   }
   static void change(const Field&, std::vector<std::string>& v) { v = {"a b.tif", "\"ä\".tif"}; }
 };
@@ -92,6 +95,7 @@ TEST_CASE("the table of parameters has every member of the scene's structs") {
   CHECK(members_of("atmosphere.rayleigh.") == member_count<RayleighParams>());
   CHECK(members_of("atmosphere.mie.") == member_count<MieParams>());
   CHECK(members_of("atmosphere.ozone.") == member_count<OzoneParams>());
+  CHECK(members_of("night_sky.") == member_count<NightSkyParams>());
   CHECK(members_of("clouds.") == member_count<CloudParams>());
   CHECK(members_of("clouds.layers[0].") == member_count<CloudLayer>());
   CHECK(members_of("terrain.") == member_count<TerrainParams>());
@@ -109,9 +113,16 @@ TEST_CASE("a scene with every parameter changed comes back equal from JSON, bit 
   Changer changer;
   visit_fields(changer, scene);
   CHECK(changer.leaves > 40);
-  scene.camera.agl_m.reset();               // excludes height_m
-  scene.atmosphere.polar_radius_m = 6.3e6;  // not above the equatorial one
-  scene.atmosphere.mie.extinction_per_m = glm::dvec3(0.9);
+  scene.camera.agl_m.reset();                    // excludes height_m
+  scene.atmosphere.polar_radius_m = 1e9 / 3.03;  // not above the equatorial one
+  scene.atmosphere.mie.extinction_per_m = scene.atmosphere.mie.scattering_per_m = {1.0 / 3e5, 1.0 / 7e5, 1.0 / 9e5};
+  scene.atmosphere.mie.visibility_m.reset();  // excludes optical_depth
+  scene.atmosphere.rayleigh.scattering_per_m = {1.0 / 3e6, 1.0 / 7e6, 1.0 / 9e6};
+  scene.atmosphere.ozone.absorption_per_m = {1.0 / 3e7, 1.0 / 7e7, 1.0 / 9e7};
+  scene.atmosphere.ozone.column_du = 1000.0 / 3.0;
+  scene.atmosphere.rayleigh.scale_height_m = 1e5 / 3.0;  // 3 of them fit below the top
+  scene.atmosphere.mie.scale_height_m = 1e4 / 3.0;
+  scene.render.min_ev100 = -20.0 / 3.0;  // not above max_ev100
   const std::string text = scene_to_json(scene);
   const Scene back = scene_from_json(text, "s.json");
   CHECK(back == scene);
@@ -206,9 +217,10 @@ TEST_CASE("broken JSON is an error with line and column") {
 TEST_CASE("members that contradict each other are an error") {
   CHECK(reading_fails(R"({"camera": {"height_m": 1, "agl_m": 2}})") ==
         "s.json: camera.agl_m: camera.height_m is given too; keep one of the two");
-  CHECK(reading_fails(R"({"atmosphere": {"mie": {"extinction_per_m": [0, 0, 0]}}})")
-            .find("atmosphere.mie.extinction_per_m[0]: 0 is less than scattering_per_m 1.8e-05") !=
-        std::string::npos);
+  CHECK(reading_fails(R"({"atmosphere": {"mie": {"extinction_per_m": [0, 0, 0]}}})") ==
+        "s.json: atmosphere.mie.extinction_per_m[0]: 0 is less than scattering_per_m 1.8e-05");
+  CHECK(reading_fails(R"({"render": {"min_ev100": 3, "max_ev100": 2}})") ==
+        "s.json: render.min_ev100: 3 is larger than max_ev100 2");
 }
 
 TEST_CASE("validate names parameters as it is told and throws the kind it is told") {
@@ -248,4 +260,66 @@ TEST_CASE("a scene file that is missing is an input error that names it") {
     CHECK(e.kind() == ErrorKind::input);
     CHECK(std::string(e.what()) == "/nonexistent/s.json: no such file");
   }
+}
+
+TEST_CASE(
+    "an atmosphere starts from its preset, whatever the order of the keys, and is saved as the values themselves") {
+  const Scene demo = scene_from_json(R"({"atmosphere": {"ground_albedo": 0.25, "preset": "bruneton-demo"}})", "s.json");
+  AtmosphereParams expected = AtmosphereParams::bruneton_demo();
+  expected.ground_albedo = 0.25;
+  CHECK(demo.atmosphere == expected);
+  const std::string saved = scene_to_json(demo);
+  CHECK(saved.find("preset") == std::string::npos);
+  CHECK(scene_from_json(saved, "s.json") == demo);
+  CHECK(scene_from_json(R"({"atmosphere": {"preset": "earth"}})", "s.json") == Scene{});
+  Scene merged = demo;
+  merge_scene_json(merged, R"({"atmosphere": {"top_height_m": 70000}})", "s.json");
+  CHECK(merged.atmosphere.equatorial_radius_m == 6360000.0);
+  merge_scene_json(merged, R"({"atmosphere": {"preset": "earth"}})", "s.json");
+  CHECK(merged == Scene{});
+  CHECK(reading_fails(R"({"atmosphere": {"preset": "brunton-demo"}})") ==
+        "s.json: atmosphere.preset: 'brunton-demo' is not one of earth, bruneton-demo; did you mean 'bruneton-demo'?");
+  CHECK(reading_fails(R"({"atmosphere": {"preset": 3}})") == "s.json: atmosphere.preset: expected a string, found 3");
+  CHECK(reading_fails(R"({"atmosphere": {"prest": "earth"}})") ==
+        "s.json: unknown key 'atmosphere.prest'; did you mean 'preset'?");
+}
+
+TEST_CASE("air that cannot be is an error that says which parameter and what is allowed") {
+  const auto air_fails = [](const std::string& air) { return reading_fails(R"({"atmosphere": )" + air + "}"); };
+  CHECK(air_fails(R"({"top_height_m": 7000})") ==
+        "s.json: atmosphere.top_height_m: the air is too thin: 7000 m are less than 3 times rayleigh.scale_height_m "
+        "8000; at least 24000 m");
+  CHECK(air_fails(R"({"mie": {"scale_height_m": 40000}})").find("mie.scale_height_m 40000; at least 120000 m") !=
+        std::string::npos);
+  CHECK(air_fails(R"({"mie": {"scattering_per_m": [0, -1e-9, 0]}})") ==
+        "s.json: atmosphere.mie.scattering_per_m[1]: -1e-09 is out of range; allowed: 0..1 1/m");
+  CHECK(air_fails(R"({"ozone": {"absorption_per_m": [0, 0, -1]}})").find("absorption_per_m[2]: -1 is out of range") !=
+        std::string::npos);
+  CHECK(air_fails(R"({"rayleigh": {"scattering_per_m": [0.1, 0, 0]}})") ==
+        "s.json: atmosphere.rayleigh.scattering_per_m[0]: gives the air a vertical optical depth of 800 at 680 nm; at "
+        "most 100");
+  CHECK(
+      air_fails(R"({"mie": {"visibility_m": 10}})").starts_with("s.json: atmosphere.mie.visibility_m: gives the air"));
+  CHECK(air_fails(R"({"ozone": {"column_du": -300}})") ==
+        "s.json: atmosphere.ozone.column_du: -300 is out of range; allowed: 0..10000 DU");
+  CHECK(air_fails(R"({"mie": {"optical_depth": 0.1, "visibility_m": 20000}})") ==
+        "s.json: atmosphere.mie.visibility_m: mie.optical_depth is given too; keep one of the two");
+  CHECK(air_fails(R"({"mie": {"visibility_m": 400000}})") ==
+        "s.json: atmosphere.mie.visibility_m: 400000 m is more than gas alone allows; at most 288543 m");
+  CHECK(air_fails(R"({"polar_radius_m": 6400000})").find("polar_radius_m: 6400000 is larger than") !=
+        std::string::npos);
+  CHECK(air_fails(R"({"scattering_orders": 51})").find("scattering_orders: 51 is out of range; allowed: 1..50") !=
+        std::string::npos);
+  CHECK(air_fails(R"({"mie": {"phase": "mie"}})").find("is not one of cornette-shanks, henyey-greenstein") !=
+        std::string::npos);
+}
+
+TEST_CASE("a time outside the ephemeris' range is an error with the range") {
+  for (const char* time : {"1899-12-31T23:59:59Z", "2101-01-01", "1900-01-01T00:00:00+09:00"}) {
+    const std::string message = reading_fails(std::string(R"({"time": ")") + time + "\"}");
+    CHECK(message.starts_with(std::string("s.json: time: time '") + time));
+    CHECK(message.find("is outside 1900..2100") != std::string::npos);
+  }
+  CHECK_NOTHROW(scene_from_json(R"({"time": "1900-01-01"})", "s.json"));
+  CHECK_NOTHROW(scene_from_json(R"({"time": "2100-12-31T23:59:59Z"})", "s.json"));
 }
