@@ -29,6 +29,11 @@ constexpr Flag kFlags[] = {
     {"--time", "ISO8601", "time"},
     {"--quality", "NAME", "render.quality"},
     {"--coverage", "SHARE", "clouds.coverage"},
+    {"--orders", "N", "atmosphere.scattering_orders"},
+    {"--spectral", "NAME", "atmosphere.spectral"},
+    {"--aerosol-optical-depth", "DEPTH", "atmosphere.mie.optical_depth"},
+    {"--visibility", "M", "atmosphere.mie.visibility_m"},
+    {"--ozone-du", "DU", "atmosphere.ozone.column_du"},
     {"--frames", "N", "render.frames"},
     {"--seed", "N", "render.seed"},
 };
@@ -115,6 +120,8 @@ void SceneOptions::add_to(CLI::App& command) {
   add_text(command, "--look-at", "LAT,LON[,HEIGHT]", "a point to look at; without a height the ground there");
   add_text(command, "--size", "WxH", "size of the picture in pixels, 1..16384 each");
   for (const Flag& flag : kFlags) add_text(command, flag.flag, flag.placeholder, help_of(flag));
+  add_text(command, "--atmosphere", "NAME",
+           fmt::format("clear air, instead of the scene's: {}", fmt::join(atmosphere_preset_names(), ", ")));
   add_text(command, "--exposure", "EV|auto", "exposure of PNG pictures at ISO 100");
   add_repeated(command, "--terrain", terrain_, "FILE", "elevation raster over the default Earth; may be repeated");
   add_repeated(command, "--imagery", imagery_, "FILE", "imagery raster over the default Earth; may be repeated");
@@ -146,6 +153,20 @@ void SceneOptions::place_camera(Scene& scene) const {
   }
 }
 
+void SceneOptions::set_air(AtmosphereParams& air) const {
+  if (given("--atmosphere")) {
+    const std::string& name = text_.at("--atmosphere");
+    const std::optional<AtmosphereParams> preset = atmosphere_preset(name);
+    if (!preset) throw fail(ErrorKind::usage, "--atmosphere: {}", no_choice(name, atmosphere_preset_names()));
+    air = *preset;
+  }
+  const bool depth = given("--aerosol-optical-depth"), visibility = given("--visibility");
+  if (depth && visibility)
+    throw fail(ErrorKind::usage, "--aerosol-optical-depth and --visibility: give one of the two");
+  if (depth) air.mie.visibility_m.reset();
+  if (visibility) air.mie.optical_depth.reset();
+}
+
 Scene SceneOptions::scene() const {
   if (given("--place") && given("--at")) throw fail(ErrorKind::usage, "--place and --at: give one of the two");
   if (given("--weather")) throw fail(ErrorKind::usage, "--weather: not supported yet");
@@ -160,6 +181,7 @@ Scene SceneOptions::scene() const {
     scene.time = place.time;
   }
   place_camera(scene);
+  set_air(scene.atmosphere);
   for (const Flag& flag : kFlags)
     if (given(flag.flag)) set_parameter(scene, flag.path, text_.at(flag.flag), flag.flag);
   if (given("--size")) set_size(scene.render, text_.at("--size"));

@@ -27,6 +27,7 @@ class SceneOptions {
   bool given(const std::string& flag) const { return text_.count(flag) != 0 && count(flag) > 0; }
   size_t count(const std::string& flag) const;
   void place_camera(Scene& scene) const;
+  void set_air(AtmosphereParams& air) const;
 
   std::string file_;
   std::map<std::string, std::string> text_;  ///< flag -> its argument

@@ -90,11 +90,37 @@ TEST_CASE("--help and --version go to standard output with status 0") {
     CHECK(help.out.find(std::string("  ") + command + " ") != std::string::npos);
   const Run render_help = run({"render", "--help"});
   CHECK(render_help.status == 0);
-  for (const char* option :
-       {"--place",   "--at",      "--height",  "--agl",       "--heading", "--pitch",    "--roll",
-        "--look-at", "--fov",     "--time",    "--size",      "--quality", "--upscale",  "--coverage",
-        "--terrain", "--imagery", "--weather", "--frames",    "--seed",    "--exposure", "--aov",
-        "--debug",   "--timings", "--device",  "--save-scene"})
+  for (const char* option : {"--place",
+                             "--at",
+                             "--height",
+                             "--agl",
+                             "--heading",
+                             "--pitch",
+                             "--roll",
+                             "--look-at",
+                             "--fov",
+                             "--time",
+                             "--size",
+                             "--quality",
+                             "--upscale",
+                             "--coverage",
+                             "--terrain",
+                             "--imagery",
+                             "--weather",
+                             "--frames",
+                             "--seed",
+                             "--exposure",
+                             "--aov",
+                             "--debug",
+                             "--timings",
+                             "--device",
+                             "--save-scene",
+                             "--atmosphere",
+                             "--orders",
+                             "--spectral",
+                             "--aerosol-optical-depth",
+                             "--visibility",
+                             "--ozone-du"})
     CHECK_MESSAGE(render_help.out.find(option) != std::string::npos, option);
   CHECK(render_help.out.find("--validation") == std::string::npos);
 }
@@ -140,6 +166,53 @@ TEST_CASE("every option of one number or name sets its parameter") {
   CHECK(scene.render.seed == 4294967295u);
   CHECK(scene.render.exposure_ev100 == -2.5);
   CHECK_FALSE(scene_of({"--exposure", "auto"}).render.exposure_ev100.has_value());
+}
+
+TEST_CASE("the options of the air change the scene's, or that of a preset") {
+  const AtmosphereParams air =
+      scene_of({"--orders", "3", "--spectral", "fast", "--aerosol-optical-depth", "0.2", "--ozone-du", "250"})
+          .atmosphere;
+  AtmosphereParams expected;
+  expected.scattering_orders = 3;
+  expected.spectral = "fast";
+  expected.mie.optical_depth = 0.2;
+  expected.ozone.column_du = 250.0;
+  CHECK(air == expected);
+  CHECK(scene_of({"--visibility", "20000"}).atmosphere.mie.visibility_m == 20000.0);
+
+  const fs::path file = fs::temp_directory_path() / "nepho_cli_air.json";
+  std::ofstream(file) << R"({"atmosphere": {"ground_albedo": 0.5, "mie": {"optical_depth": 0.1}}})";
+  AtmosphereParams demo = AtmosphereParams::bruneton_demo();
+  CHECK(scene_of({file, "--atmosphere", "bruneton-demo"}).atmosphere == demo);
+  demo.scattering_orders = 2;
+  CHECK(scene_of({file, "--orders", "2", "--atmosphere", "bruneton-demo"}).atmosphere == demo);
+  const AtmosphereParams hazy = scene_of({file, "--visibility", "9000"}).atmosphere;
+  CHECK(hazy.ground_albedo == 0.5);
+  CHECK(hazy.mie.visibility_m == 9000.0);
+  CHECK_FALSE(hazy.mie.optical_depth.has_value());
+  std::ofstream(file) << R"({"atmosphere": {"mie": {"visibility_m": 5000}}})";
+  CHECK_FALSE(scene_of({file, "--aerosol-optical-depth", "0.3"}).atmosphere.mie.visibility_m.has_value());
+  fs::remove(file);
+  CHECK(run({"probe", "geodetic_ecef", "--atmosphere", "bruneton-demo", "--orders", "2"}).probe_scene->atmosphere ==
+        demo);
+}
+
+TEST_CASE("air that cannot be is a usage error that names the option") {
+  CHECK(message_of(render({"--atmosphere", "brunton-demo"}), 2) ==
+        "--atmosphere: 'brunton-demo' is not one of earth, bruneton-demo; did you mean 'bruneton-demo'?");
+  CHECK(message_of(render({"--visibility", "1000", "--aerosol-optical-depth", "1"}), 2) ==
+        "--aerosol-optical-depth and --visibility: give one of the two");
+  CHECK(message_of(render({"--visibility", "300000"}), 2) ==
+        "--visibility: 300000 m is more than gas alone allows; at most 288543 m");
+  CHECK(message_of(render({"--visibility", "nan"}), 2).starts_with("--visibility: nan is out of range"));
+  CHECK(message_of(render({"--aerosol-optical-depth", "-0.1"}), 2) ==
+        "--aerosol-optical-depth: -0.1 is out of range; allowed: 0..100");
+  CHECK(
+      message_of(render({"--aerosol-optical-depth", "100"}), 2).starts_with("--aerosol-optical-depth: gives the air"));
+  CHECK(message_of(render({"--ozone-du", "inf"}), 2) == "--ozone-du: inf is out of range; allowed: 0..10000 DU");
+  CHECK(message_of(render({"--orders", "0"}), 2) == "--orders: 0 is out of range; allowed: 1..50");
+  CHECK(message_of(render({"--orders", "2.5"}), 2) == "--orders: 2.5 is not a whole number");
+  CHECK(message_of(render({"--spectral", "slow"}), 2) == "--spectral: 'slow' is not one of fast, full");
 }
 
 TEST_CASE("of an option given twice the last one counts") {
