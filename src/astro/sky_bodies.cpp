@@ -8,6 +8,7 @@
 #include <glm/matrix.hpp>
 #include <numbers>
 
+#include "astro/moon_orientation.h"
 #include "astro/time_scales.h"
 #include "geo/frames.h"
 
@@ -92,7 +93,10 @@ SkyBodies sky_bodies_at(const UtcInstant& utc, std::optional<double> tt_minus_ut
   sky.moon.dir_ecef = sky.ecef_from_icrs * (moon / moon_distance_au);
   sky.moon.distance_m = moon_distance_au * kAstronomicalUnit_m;
   sky.moon.angular_radius_rad = std::asin(kMoonRadius_m / sky.moon.distance_m);
-  const dvec3 sun_from_moon = glm::normalize(sun.dir_gcrs * sun.distance_au - moon);
+  const dvec3 towards_sun = sun.dir_gcrs * sun.distance_au - moon;
+  sky.moon.sun_distance_au = glm::length(towards_sun);
+  const dvec3 sun_from_moon = towards_sun / sky.moon.sun_distance_au;
+  sky.moon.sun_from_moon_ecef = sky.ecef_from_icrs * sun_from_moon;
   const double cos_phase = std::clamp(glm::dot(sun_from_moon, -moon / moon_distance_au), -1.0, 1.0);
   sky.moon.phase_angle_rad = std::acos(cos_phase);
   sky.moon.illuminated_fraction = 0.5 * (1.0 + cos_phase);
@@ -100,6 +104,9 @@ SkyBodies sky_bodies_at(const UtcInstant& utc, std::optional<double> tt_minus_ut
   double ecliptic_from_gcrs[3][3];
   eraEcm06(tt.whole, tt.part, ecliptic_from_gcrs);
   const dmat3 ecliptic = from_rows(ecliptic_from_gcrs);
+  const double centuries = (tt.whole - 2451545.0 + tt.part) / 36525.0;
+  sky.moon.body_from_ecef = moon_body_from_mean_ecliptic(centuries, moon_physical_libration(centuries)) * ecliptic *
+                            glm::transpose(sky.ecef_from_icrs);
   const dvec3 sun_ecliptic = ecliptic * sun.dir_gcrs, moon_ecliptic = ecliptic * moon;
   sky.moon.ecliptic_elongation_rad =
       positive_angle(std::atan2(moon_ecliptic.y, moon_ecliptic.x) - std::atan2(sun_ecliptic.y, sun_ecliptic.x));

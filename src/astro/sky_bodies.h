@@ -19,12 +19,15 @@ struct SunState {
 
 /// The moon from the Earth's centre.
 struct MoonState {
-  dvec3 dir_ecef{1.0, 0.0, 0.0};         ///< unit, towards the moon, geometric (light time is 0.7 arc seconds)
-  double distance_m = 0.0;               ///< from the Earth's centre
-  double angular_radius_rad = 0.0;       ///< asin(radius / distance)
-  double illuminated_fraction = 0.0;     ///< of the disc, 0 new .. 1 full
-  double phase_angle_rad = 0.0;          ///< sun - moon - Earth, 0 full .. pi new
-  double ecliptic_elongation_rad = 0.0;  ///< longitude of the moon less the sun's, [0, 2 pi): 0 new, pi full
+  dvec3 dir_ecef{1.0, 0.0, 0.0};            ///< unit, towards the moon, geometric (light time is 0.7 arc seconds)
+  double distance_m = 0.0;                  ///< from the Earth's centre
+  double angular_radius_rad = 0.0;          ///< asin(radius / distance)
+  double illuminated_fraction = 0.0;        ///< of the disc, 0 new .. 1 full
+  double phase_angle_rad = 0.0;             ///< sun - moon - Earth, 0 full .. pi new
+  double ecliptic_elongation_rad = 0.0;     ///< longitude of the moon less the sun's, [0, 2 pi): 0 new, pi full
+  dvec3 sun_from_moon_ecef{1.0, 0.0, 0.0};  ///< unit, from the moon towards the sun
+  double sun_distance_au = 1.0;             ///< from the moon to the sun
+  dmat3 body_from_ecef{1.0};                ///< selenographic axes from ECEF ones (moon_orientation.h)
 };
 
 /// Everything that turns with the Earth at one moment. Axes: ECEF as TIRS, polar motion (<= 0.5 arc seconds) neglected.
