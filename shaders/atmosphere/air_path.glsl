@@ -1,95 +1,107 @@
 // Light scattered into a path through the air: direct quadrature, with no difference of two lookups anywhere.
-// Needs before the include: `transmittance_tex` declared, AIR_PATH_NODES (8 or 12), and SOURCE_TEX, SOURCE_ROW0,
-// SOURCE_ROWS, SOURCE_SCALE (the texture of the source function, its first row, its height in rows, its unit).
+// Needs before the include: `transmittance_tex` and the uniform block `atmosphere` declared, AIR_PATH_NODES (8 or 12).
 #include "atmosphere/atmosphere_shared.h"
 #include "common/phase.h"
 
-vec3 sampled_optical_depth_to_top(AtmosphereUniform air, float h, float mu) {
-  vec2 uv = vec2(texel_coord(unit_from_sky_mu(air, h, mu), kTransmittanceMu),
-                 texel_coord(unit_from_height(air, h), kTransmittanceR));
+// Wavelengths in threes: 1 or 5, fixed when a pipeline is made.
+layout(constant_id = 0) const int kSpectralGroups = 1;
+
+#if AIR_PATH_NODES == 8
+#define AIR_PATH_X kGauss8X
+#define AIR_PATH_W kGauss8W
+#else
+#define AIR_PATH_X kGauss12X
+#define AIR_PATH_W kGauss12W
+#endif
+
+// Columns of gas, aerosol, ozone up to the top of the air, m.
+vec3 sampled_columns_to_top(AtmosphereUniform air, float h, float mu) {
+  vec2 uv = vec2(texel_coord(unit_from_sky_mu(air, h, mu), kColumnMu), texel_coord(unit_from_height(air, h), kColumnR));
   return textureLod(transmittance_tex, uv, 0.0).rgb;
 }
 
-// Share of sunlight that reaches height h within the air.
-vec3 sunlight_within(AtmosphereUniform air, float h, float mu_s) {
-  return sun_visibility(air, h, mu_s) * exp(-sampled_optical_depth_to_top(air, h, mu_s));
+// A path as its quadrature needs it. The columns to a node are differences of two lookups to the top, taken upwards on
+// either side of the lowest point; their error multiplies the light and does not grow as the path shrinks.
+struct AirPath {
+  float h, mu, mu_s, nu;
+  float sunlit_m;         // sunlight reaches the first so many metres
+  PathPanels panels;
+  vec3 columns_at_start;  // upwards from the start
+  vec3 columns_at_low;    // from the lowest point
+};
+
+AirPath air_path(AtmosphereUniform air, float h, float mu, float mu_s, float nu, float length_m, float sunlit_m) {
+  AirPath path;
+  path.h = h;
+  path.mu = mu;
+  path.mu_s = mu_s;
+  path.nu = nu;
+  path.sunlit_m = sunlit_m;
+  path.panels = path_panels(air, h, mu, mu_s, nu, length_m, sunlit_m);
+  path.columns_at_start = sampled_columns_to_top(air, h, abs(mu));
+  path.columns_at_low = path.columns_at_start;
+  if (path.panels.low_m > 0.0) path.columns_at_low = sampled_columns_to_top(air, height_along(air, h, mu, path.panels.low_m), 0.0);
+  return path;
 }
 
-// Two reads on either side of the view-sun angle. `x` is that angle's unit, `v` the row, `w` the slice.
-vec3 sample_4d(sampler3D tex, float unit_nu, float unit_mu_s, float v, float w) {
+// Columns from the start to a point on the path, given those from that point upwards. `mu` is the ray's zenith cosine there: a
+// ray that descends has not yet passed its lowest point.
+vec3 columns_along(AirPath path, float mu, vec3 columns_up) {
+  vec3 columns = mu < 0.0 ? columns_up - path.columns_at_start
+                 : (path.panels.low_m > 0.0 ? 2.0 * path.columns_at_low - path.columns_at_start : path.columns_at_start) - columns_up;
+  return max(columns, vec3(0));
+}
+
+struct AirNode {
+  float h, mu, mu_s;
+  float weight_m;
+  float sunlit;          // share of the sun's disc that shines on it
+  vec3 density;          // of gas, aerosol, ozone
+  vec3 columns;          // from the start of the path
+  vec3 columns_to_sun;
+};
+
+int node_count(AirPath path) { return path.panels.count * AIR_PATH_NODES; }
+
+AirNode air_node(AtmosphereUniform air, AirPath path, int i) {
+  int panel = i / AIR_PATH_NODES;
+  int k = i - panel * AIR_PATH_NODES;
+  vec2 at = path_node(path.panels, panel, AIR_PATH_X[k], AIR_PATH_W[k]);
+  float r = air.radius_m + path.h;
+  AirNode node;
+  node.weight_m = at.y;
+  node.h = height_along(air, path.h, path.mu, at.x);
+  float inv_r = 1.0 / (air.radius_m + node.h);
+  node.mu = clamp((r * path.mu + at.x) * inv_r, -1.0, 1.0);
+  node.mu_s = clamp((r * path.mu_s + at.x * path.nu) * inv_r, -1.0, 1.0);
+  node.density = densities(air, node.h);
+  node.columns = columns_along(path, node.mu, sampled_columns_to_top(air, node.h, abs(node.mu)));
+  node.columns_to_sun = sampled_columns_to_top(air, node.h, node.mu_s);
+  node.sunlit = at.x < path.sunlit_m ? sun_visibility(air, node.h, node.mu_s) : 0.0;
+  return node;
+}
+
+// The columns of the whole path: of many nodes for a short one; for a long one, which they are too few for, from tables.
+vec3 path_columns(AtmosphereUniform air, AirPath path, vec3 summed) {
+  float length_m = path.panels.end_m;
+  float h = height_along(air, path.h, path.mu, length_m);
+  float mu = clamp(((air.radius_m + path.h) * path.mu + length_m) / (air.radius_m + h), -1.0, 1.0);
+  vec3 tabulated = columns_along(path, mu, sampled_columns_to_top(air, h, abs(mu)));
+  return length_m > 30000.0 ? tabulated : summed;
+}
+
+// Two reads on either side of the view-sun angle, of a texture with kAirNu x kAirMuS columns. `v` is the row, `w` the slice.
+vec4 sample_4d(sampler3D tex, float unit_nu, float unit_mu_s, float v, float w) {
   float x = unit_nu * float(kAirNu - 1);
   float i = min(floor(x), float(kAirNu - 2));
   float u = texel_coord(unit_mu_s, kAirMuS);
-  vec3 a = textureLod(tex, vec3((i + u) / float(kAirNu), v, w), 0.0).rgb;
-  vec3 b = textureLod(tex, vec3((i + 1.0 + u) / float(kAirNu), v, w), 0.0).rgb;
+  vec4 a = textureLod(tex, vec3((i + u) / float(kAirNu), v, w), 0.0);
+  vec4 b = textureLod(tex, vec3((i + 1.0 + u) / float(kAirNu), v, w), 0.0);
   return mix(a, b, x - i);
 }
 
-// Source function of multiply scattered light: radiance per unit of scattering coefficient, W m^-2 sr^-1 nm^-1.
-vec3 sampled_source(AtmosphereUniform air, float h, float mu, float mu_s, float nu) {
-  float v = (SOURCE_ROW0 + 0.5 + (0.5 + 0.5 * mu) * float(kSourceMu - 1)) / SOURCE_ROWS;
-  return sample_4d(SOURCE_TEX, unit_from_nu(nu), unit_from_mu_s(air, mu_s), v, texel_coord(unit_from_height(air, h), kAirR)) *
-         (1.0 / SOURCE_SCALE);
-}
-
-struct ScatteredLight {
-  vec3 rayleigh;       // single scattering without the phase function, W m^-2 nm^-1
-  vec3 mie;            // the same
-  vec3 multiple;       // W m^-2 sr^-1 nm^-1
-  vec3 optical_depth;  // of the path
-};
-
-// Over `length_m` from height h. The transmittance to a node is a quotient of two lookups to the top, taken upwards on
-// either side of the lowest point; its error multiplies the light and does not grow as the path shrinks.
-ScatteredLight scatter_along(AtmosphereUniform air, float h, float mu, float mu_s, float nu, float length_m, bool sun, bool source) {
-  ScatteredLight light = ScatteredLight(vec3(0), vec3(0), vec3(0), vec3(0));
-  float r = air.radius_m + h;
-  float low_m = clamp(-r * mu, 0.0, length_m);
-  // Up the reversed ray from a node: depth(node) - depth(start); up the ray: depth(low) - depth(node), plus what led down.
-  vec3 depth_start = sampled_optical_depth_to_top(air, h, abs(mu));
-  vec3 depth_low = depth_start;
-  if (low_m > 0.0) depth_low = sampled_optical_depth_to_top(air, height_along(air, h, mu, low_m), 0.0);
-  for (int i = 0; i < 2 * AIR_PATH_NODES; ++i) {
-    int part = i >= AIR_PATH_NODES ? 1 : 0;
-    PathPart p = path_part(air, h, mu, length_m, part);
-    if (p.length_m <= 0.0) continue;
-    int k = i - part * AIR_PATH_NODES;
-#if AIR_PATH_NODES == 8
-    vec2 node = path_node(p, kGauss8X[k], kGauss8W[k]);
-#else
-    vec2 node = path_node(p, kGauss12X[k], kGauss12W[k]);
-#endif
-    float t = node.x;
-    float ht = height_along(air, h, mu, t);
-    float rt = air.radius_m + ht;
-    float mu_t = clamp((r * mu + t) / rt, -1.0, 1.0);
-    float mu_s_t = clamp((r * mu_s + t * nu) / rt, -1.0, 1.0);
-    vec3 depth_node = sampled_optical_depth_to_top(air, ht, abs(mu_t));
-    vec3 depth = part == 0 ? depth_node - depth_start
-                           : (low_m > 0.0 ? 2.0 * depth_low - depth_start : depth_start) - depth_node;
-    vec3 seen = node.y * exp(-max(depth, vec3(0)));
-    vec3 d = densities(air, ht);
-    light.optical_depth += node.y * extinction_per_m(air, d);
-    if (sun) {
-      vec3 lit = seen * sunlight_within(air, ht, mu_s_t);
-      light.rayleigh += d.x * lit;
-      light.mie += d.y * lit;
-    }
-    if (source) {
-      light.multiple += seen * (d.x * air.rayleigh_scattering_per_m + d.y * air.mie_scattering_per_m) *
-                        sampled_source(air, ht, mu_t, mu_s_t, nu);
-    }
-  }
-  light.rayleigh *= air.rayleigh_scattering_per_m * air.solar_irradiance;
-  light.mie *= air.mie_scattering_per_m * air.solar_irradiance;
-  // Long paths near the horizon are beyond these few nodes; there the table is the better witness.
-  if (length_m > 30000.0) {
-    float ht = height_along(air, h, mu, length_m);
-    float mu_t = clamp((r * mu + length_m) / (air.radius_m + ht), -1.0, 1.0);
-    vec3 depth_end = sampled_optical_depth_to_top(air, ht, abs(mu_t));
-    vec3 depth = mu_t < 0.0 ? depth_end - depth_start
-                            : (low_m > 0.0 ? 2.0 * depth_low - depth_start : depth_start) - depth_end;
-    light.optical_depth = max(depth, vec3(0));
-  }
-  return light;
+// Four coefficients of the multiply scattered light per unit of scattering coefficient and of sunlight.
+vec4 sampled_source(AtmosphereUniform air, sampler3D tex, AirNode node, float nu) {
+  return sample_4d(tex, unit_from_nu(nu), unit_from_mu_s(air, node.mu_s), texel_coord(0.5 + 0.5 * node.mu, kSourceMu),
+                   texel_coord(unit_from_height(air, node.h), kAirR));
 }

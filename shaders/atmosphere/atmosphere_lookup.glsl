@@ -1,33 +1,24 @@
 // Sky, aerial perspective and light from the atmosphere's tables, for every pass (docs/atmosphere.md).
 //
-//   #define ATMOSPHERE_BINDING 8      // takes this binding and the five after it
+//   #define ATMOSPHERE_BINDING 8      // takes this binding and the six after it
 //   #include "atmosphere/atmosphere_lookup.glsl"
 //
-// AtmosphereTables::bind() declares the bindings. Luminances are linear Rec. 709 in cd/m^2, illuminances in lux per
-// channel. Cameras may be anywhere from the ground to space. A ray that misses the air: luminance 0, transmittance 1.
+// Specialisation constant 0 is the number of spectral groups. AtmosphereTables::bind() declares the bindings. Luminances are
+// linear Rec. 709 in cd/m^2, illuminances in lux per channel. Cameras may be anywhere from the ground to space. A ray that
+// misses the air: luminance 0, transmittance 1.
 //
-// Tables serve rays that reach space from within the air. All other paths (to a point, to the ground, from space) are
-// integrated over the tables of the sun's transmittance and of the source function: no two lookups are subtracted.
+// The sky seen from within the air comes from a sky view, integrated for the camera before the frame (sky_view.comp). All
+// other paths (to a point, to the ground, from space) are integrated here: no two lookups are subtracted.
 #ifndef NEPHO_ATMOSPHERE_LOOKUP_GLSL
 #define NEPHO_ATMOSPHERE_LOOKUP_GLSL
 #include "common/frame.h"
-#include "atmosphere/atmosphere_shared.h"
+#include "atmosphere/atmosphere_light.glsl"
+layout(set = 0, binding = ATMOSPHERE_BINDING + 3) uniform sampler2D irradiance_tex;
+layout(set = 0, binding = ATMOSPHERE_BINDING + 4) uniform sampler3D mirror_tex;
+layout(set = 0, binding = ATMOSPHERE_BINDING + 5) uniform sampler2D sky_view_tex;
+layout(set = 0, binding = ATMOSPHERE_BINDING + 6, scalar) readonly buffer SkyViewBlock { SkyView data[]; } sky_views;
 
-layout(scalar, set = 0, binding = ATMOSPHERE_BINDING) uniform AtmosphereBlock { AtmosphereUniform atmosphere_data; } atmosphere;
-layout(set = 0, binding = ATMOSPHERE_BINDING + 1) uniform sampler2D transmittance_tex;
-layout(set = 0, binding = ATMOSPHERE_BINDING + 2) uniform sampler2D irradiance_tex;
-layout(set = 0, binding = ATMOSPHERE_BINDING + 3) uniform sampler3D rayleigh_tex;
-layout(set = 0, binding = ATMOSPHERE_BINDING + 4) uniform sampler3D mie_tex;
-layout(set = 0, binding = ATMOSPHERE_BINDING + 5) uniform sampler3D multiple_tex;
-
-#define AIR_PATH_NODES 8
-#define SOURCE_TEX multiple_tex
-#define SOURCE_ROW0 float(kSkyMu)
-#define SOURCE_ROWS float(kMultipleRows)
-#define SOURCE_SCALE kTableScale
-#include "atmosphere/air_path.glsl"
-
-// A ray's first point within the air.
+// A ray's first point within the air, and one light.
 struct AirRay {
   bool in_air;    // false: never enters it
   bool outside;   // the camera is above the air
@@ -35,12 +26,13 @@ struct AirRay {
   float stretch;  // scaled metres per true metre along the ray
   float h;        // scaled height, 0..top
   float mu;       // view zenith cosine in scaled space
-  float mu_s;     // sun's cosine to the geodetic normal
-  float nu;       // view-sun cosine
+  float mu_s;     // light's cosine to the geodetic normal
+  float nu;       // view-light cosine
 };
 
-AirRay air_ray_from(PlanetView planet, vec3 up, vec3 sun_dir, vec3 dir) {
-  AtmosphereUniform air = atmosphere.atmosphere_data;
+// `up` is the geodetic normal at the camera; that of the first point comes back in it.
+AirRay air_ray_geometry(PlanetView planet, inout vec3 up, vec3 dir) {
+  float top_m = atmosphere.air.top_m;
   vec3 scaled = scaled_from_cam(planet, dir);
   AirRay ray;
   ray.in_air = true;
@@ -50,63 +42,118 @@ AirRay air_ray_from(PlanetView planet, vec3 up, vec3 sun_dir, vec3 dir) {
   // A micrometre along the ray: a condition that depends on uniforms alone makes Mesa's software driver compile the shader
   // anew, for seconds, for each of their values (it folds them in); this one also depends on the pixel.
   ray.h = max(scaled_height_from_f(planet, planet_f(planet, 1.0e-6 * dir)), 0.0);
-  ray.nu = clamp(dot(dir, sun_dir), -1.0, 1.0);
   vec3 q = planet.camera_q_m;
-  if (ray.h > air.top_m) {
+  if (ray.h > top_m) {
     vec2 t;
     ray.outside = true;
-    ray.in_air = intersect_shell(planet, dir, air.top_m, t) && t.y > 0.0;
+    ray.in_air = intersect_shell(planet, dir, top_m, t) && t.y > 0.0;
     ray.start_m = max(t.x, 0.0);
-    ray.h = air.top_m;
+    ray.h = top_m;
     q += scaled * ray.start_m;
     up = normalize(vec3(q.x, q.y, q.z * planet.a_over_b));
   }
   ray.mu = clamp(dot(normalize(q), scaled / ray.stretch), -1.0, 1.0);
   if (ray.outside) ray.mu = min(ray.mu, 0.0);  // it goes in
-  ray.mu_s = clamp(dot(up, sun_dir), -1.0, 1.0);
+  ray.mu_s = 0.0;
+  ray.nu = 0.0;
   return ray;
 }
-AirRay air_ray(FrameConstants frame, vec3 dir) {
-  return air_ray_from(frame.planet, frame.camera_up, frame.sun_dir, dir);
+AirRay air_ray_from(PlanetView planet, vec3 up, vec3 light_dir, vec3 dir) {
+  AirRay ray = air_ray_geometry(planet, up, dir);
+  ray.mu_s = clamp(dot(up, light_dir), -1.0, 1.0);
+  ray.nu = clamp(dot(dir, light_dir), -1.0, 1.0);
+  return ray;
 }
 
-// Spectral radiance, W m^-2 sr^-1 nm^-1 for the sun at 1 au, of `length_m` scaled metres of the ray from its first point.
-vec3 path_radiance(AirRay ray, float length_m, out vec3 transmittance) {
-  AtmosphereUniform air = atmosphere.atmosphere_data;
-  ScatteredLight light = scatter_along(air, ray.h, ray.mu, ray.mu_s, ray.nu, length_m, true, true);
-  transmittance = exp(-light.optical_depth);
-  return light.rayleigh * phase_rayleigh(ray.nu) + light.mie * phase_cornette_shanks(ray.nu, air.mie_g) + light.multiple;
+// The light of `length_m` scaled metres of the ray from its first point, of which the last shadow_m get no sunlight.
+vec3 path_light(AirRay ray, float length_m, float shadow_m, out vec3 columns) {
+  ScatteredLight light = scatter_along(ray.h, ray.mu, ray.mu_s, ray.nu, length_m, length_m - shadow_m, phase_rayleigh(ray.nu), 1.0);
+  columns = light.columns;
+  return light.smooth_part + light.mie * phase_aerosol(atmosphere.air, ray.nu);
 }
 
-// The same from h to space, by the tables.
-vec3 sky_radiance_within(AirRay ray, out vec3 transmittance) {
-  AtmosphereUniform air = atmosphere.atmosphere_data;
-  transmittance = exp(-sampled_optical_depth_to_top(air, ray.h, ray.mu));
-  float unit_mu = unit_from_sky_mu(air, ray.h, ray.mu);
-  float unit_mu_s = unit_from_mu_s(air, ray.mu_s);
-  float unit_nu = unit_from_nu(ray.nu);
-  float w = texel_coord(unit_from_height(air, ray.h), kAirR);
-  float v = texel_coord(unit_mu, kSkyMu);
-  vec3 rayleigh = sample_4d(rayleigh_tex, unit_nu, unit_mu_s, v, w);
-  vec3 mie = sample_4d(mie_tex, unit_nu, unit_mu_s, v, w);
-  vec3 multiple = sample_4d(multiple_tex, unit_nu, unit_mu_s, v * float(kSkyMu) / float(kMultipleRows), w);
-  return (rayleigh * phase_rayleigh(ray.nu) + mie * phase_cornette_shanks(ray.nu, air.mie_g) + multiple) * (1.0 / kTableScale);
+// The sky from within the air by sky view `i`. `dir` is a unit vector.
+vec3 sky_view_light(int i, vec3 dir) {
+  SkyView view = sky_views.data[i];
+  vec3 scaled = normalize(vec3(dir.x, dir.y, dir.z * view.a_over_b));
+  float sine = clamp(dot(view.up, scaled), -1.0, 1.0);
+  vec3 across = scaled - view.up * sine;
+  float azimuth = acos(clamp(dot(across, view.forward) * inversesqrt(max(dot(across, across), 1.0e-12)), -1.0, 1.0));
+  vec2 uv = view.uv_origin + view.uv_span * vec2(azimuth * (1.0 / kPi), sky_row_unit(view, asin(sine)));
+  vec3 smooth_part = textureLod(sky_view_tex, uv, 0.0).rgb;
+  vec3 mie = textureLod(sky_view_tex, vec2(uv.x, uv.y + view.second_v), 0.0).rgb;
+  return smooth_part + mie * phase_aerosol(atmosphere.air, clamp(dot(dir, view.light_dir), -1.0, 1.0));
 }
 
-// Spectral radiance of the sky without the sun's disc, to space or, when hits_ground, to the ellipsoid.
-vec3 sky_radiance(AirRay ray, bool hits_ground, out vec3 transmittance) {
-  AtmosphereUniform air = atmosphere.atmosphere_data;
-  transmittance = vec3(1);
-  if (!ray.in_air) return vec3(0);
-  // From space the tables are coarse in the height of the lowest point: integrate.
-  if (!hits_ground && !ray.outside) return sky_radiance_within(ray, transmittance);
-  return path_radiance(ray, hits_ground ? distance_to_ground(air, ray.h, ray.mu) : distance_to_top(air, ray.h, ray.mu), transmittance);
+// Light of the sky without discs and stars, to space or, when hits_ground, to the ellipsoid. `view` is the camera's sky view.
+vec3 sky_light(AirRay ray, vec3 dir, int view, bool hits_ground, out vec3 columns) {
+  columns = vec3(0);
+  vec3 light = vec3(0);
+  if (!ray.in_air) return light;
+  if (ray.outside || hits_ground) {
+    float length_m = hits_ground ? distance_to_ground(atmosphere.air, ray.h, ray.mu) : distance_to_top(atmosphere.air, ray.h, ray.mu);
+    light = path_light(ray, length_m, 0.0, columns);
+  } else {
+    light = sky_view_light(view, dir);
+    columns = sampled_columns_to_top(atmosphere.air, ray.h, ray.mu);
+  }
+  return light;
 }
 
-// Luminance of the sky from the camera to space or, when hits_ground, to the ellipsoid; without the sun's disc.
-vec3 sky_luminance(FrameConstants frame, vec3 dir, bool hits_ground, out vec3 transmittance) {
-  vec3 radiance = sky_radiance(air_ray(frame, dir), hits_ground, transmittance);
-  return radiance * atmosphere.atmosphere_data.sky_luminance_factor * frame.sun_distance_factor;
+// Light scattered into the ray between the camera and the point at `distance_m` true metres, before which sunlight ends
+// shadow_m earlier.
+vec3 light_to_point(AirRay ray, float distance_m, float shadow_m, out vec3 columns) {
+  float length_m = (distance_m - ray.start_m) * ray.stretch;
+  columns = vec3(0);
+  if (!ray.in_air || !(length_m > 0.0)) return vec3(0);
+  return path_light(ray, min(length_m, distance_to_top(atmosphere.air, ray.h, ray.mu)), shadow_m * ray.stretch, columns);
+}
+
+// --- with the lights of a frame ------------------------------------------------------------------------------------
+
+vec3 light_dir(FrameConstants frame, int light) { return light == 0 ? frame.sun_dir : frame.moon_dir; }
+// Of the light per sunlight at 1 au, times the factor to luminance.
+vec3 light_factor(FrameConstants frame, int light) {
+  return atmosphere.air.luminance_factor * (light == 0 ? vec3(frame.sun_distance_factor) : frame.moon_share);
+}
+
+// Luminance of the air in a pixel, without discs and stars, and the transmittance behind it: to space, or to the point at
+// `distance_m` true metres along `dir`. `paths` is a constant: false says that the camera is within the air and that there are
+// rays to space only, which leaves the integration out of the shader.
+vec3 air_luminance(FrameConstants frame, vec3 dir, bool to_space, float distance_m, const bool paths, out vec3 transmittance) {
+  vec3 luminance = vec3(0);
+  vec3 columns = vec3(0);
+  for (int i = 0; i < int(frame.light_count); ++i) {
+    AirRay ray = air_ray_from(frame.planet, frame.camera_up, light_dir(frame, i), dir);
+    bool by_view = to_space && !ray.outside;
+    vec3 light = vec3(0);
+    if (paths) {
+      float length_m = distance_to_top(atmosphere.air, ray.h, ray.mu);
+      if (!to_space) length_m = min((distance_m - ray.start_m) * ray.stretch, length_m);
+      light = path_light(ray, ray.in_air && !by_view ? max(length_m, 0.0) : 0.0, 0.0, columns);
+      if (!ray.in_air) columns = vec3(0);
+    }
+    if (by_view) {
+      light = sky_view_light(i, dir);
+      columns = sampled_columns_to_top(atmosphere.air, ray.h, ray.mu);
+    }
+    luminance += light * light_factor(frame, i);
+  }
+  transmittance = transmittance_of(columns);
+  return luminance;
+}
+
+// In-scattered luminance between the camera and the point at `distance_m` true metres along `dir`, and the transmittance
+// between them. The last shadow_m before the point get no direct sunlight (0 without cloud shadows).
+vec3 aerial_perspective(FrameConstants frame, vec3 dir, float distance_m, float shadow_m, out vec3 transmittance) {
+  vec3 luminance = vec3(0);
+  vec3 columns = vec3(0);
+  for (int i = 0; i < int(frame.light_count); ++i) {
+    AirRay ray = air_ray_from(frame.planet, frame.camera_up, light_dir(frame, i), dir);
+    luminance += light_to_point(ray, distance_m, shadow_m, columns) * light_factor(frame, i);
+  }
+  transmittance = transmittance_of(columns);
+  return luminance;
 }
 
 // Luminance of the sun's disc in direction `dir`, 0 outside it. The edge is smoothed over a pixel; a disc smaller than a
@@ -114,7 +161,9 @@ vec3 sky_luminance(FrameConstants frame, vec3 dir, bool hits_ground, out vec3 tr
 vec3 sun_disc_luminance(FrameConstants frame, vec3 dir, vec3 transmittance) {
   float pixel = max(frame.pixel_angle_rad, 1.0e-7);
   float radius = max(frame.sun_angular_radius_rad, 0.5 * pixel);
-  float angle = 2.0 * asin(min(0.5 * length(dir - frame.sun_dir), 1.0));
+  float chord = length(dir - frame.sun_dir);
+  if (chord > 2.0 * (radius + pixel)) return vec3(0);
+  float angle = 2.0 * asin(0.5 * chord);
   float cover = clamp((radius - angle) / pixel + 0.5, 0.0, 1.0);
   if (cover <= 0.0) return vec3(0);
   const vec3 exponent = vec3(0.397, 0.503, 0.652);
@@ -123,24 +172,10 @@ vec3 sun_disc_luminance(FrameConstants frame, vec3 dir, vec3 transmittance) {
   return frame.sun_illuminance / (kPi * radius * radius) * limb * transmittance * cover;
 }
 
-// Spectral radiance scattered into the ray between the camera and the point at `distance_m` true metres.
-vec3 radiance_to_point(AirRay ray, float distance_m, out vec3 transmittance) {
-  float length_m = (distance_m - ray.start_m) * ray.stretch;
-  transmittance = vec3(1);
-  if (!ray.in_air || !(length_m > 0.0)) return vec3(0);
-  return path_radiance(ray, min(length_m, distance_to_top(atmosphere.atmosphere_data, ray.h, ray.mu)), transmittance);
-}
-
-// In-scattered luminance between the camera and the point at `distance_m` true metres along `dir`, and the transmittance
-// between them.
-vec3 aerial_perspective(FrameConstants frame, vec3 dir, float distance_m, out vec3 transmittance) {
-  return radiance_to_point(air_ray(frame, dir), distance_m, transmittance) *
-         atmosphere.atmosphere_data.sky_luminance_factor * frame.sun_distance_factor;
-}
-
-// Share of sunlight that reaches a height, ground to space, with the part of the disc above the planet's horizon.
+// Share of a light that reaches a height, ground to space, with the part of the sun's disc above the planet's horizon (the
+// moon's is as large).
 vec3 sun_transmittance(float height_m, float mu_s) {
-  AtmosphereUniform air = atmosphere.atmosphere_data;
+  AtmosphereUniform air = atmosphere.air;
   float h = max(height_m, 0.0);
   float visible = sun_visibility(air, h, mu_s);
   if (h > air.top_m) {
@@ -152,56 +187,59 @@ vec3 sun_transmittance(float height_m, float mu_s) {
     mu_s = clamp((r_mu + t) / (air.radius_m + air.top_m), -1.0, 0.0);
     h = air.top_m;
   }
-  return visible * exp(-sampled_optical_depth_to_top(air, h, mu_s));
+  return visible * transmittance_of(sampled_columns_to_top(air, h, mu_s));
 }
 
-// Sunlight on a facing plane, lux per channel.
-vec3 sun_illuminance(FrameConstants frame, float height_m, float mu_s) {
-  return frame.sun_illuminance * sun_transmittance(height_m, mu_s);
-}
+// Light of the sun, the moon, the light that casts shadows, on a facing plane, lux per channel. `mu` is the light's cosine to
+// the vertical there.
+vec3 sun_illuminance(FrameConstants frame, float height_m, float mu) { return frame.sun_illuminance * sun_transmittance(height_m, mu); }
+vec3 key_illuminance(FrameConstants frame, float height_m, float mu) { return frame.key_illuminance * sun_transmittance(height_m, mu); }
 
+// One of the kIrradianceParts for a sun at 1 au.
 vec3 irradiance_part(float height_m, float mu_s, int part) {
-  AtmosphereUniform air = atmosphere.atmosphere_data;
+  AtmosphereUniform air = atmosphere.air;
   float v = (float(part * kAirR) + 0.5 + unit_from_height(air, clamp(height_m, 0.0, air.top_m)) * float(kAirR - 1)) /
             float(kIrradianceParts * kAirR);
-  return textureLod(irradiance_tex, vec2(texel_coord(unit_from_mu_s(air, mu_s), kAirMuS), v), 0.0).rgb;
+  vec4 coefficients = textureLod(irradiance_tex, vec2(texel_coord(unit_from_mu_s(air, mu_s), kAirMuS), v), 0.0);
+  vec3 sum = vec3(0);
+  for (int g = 0; g < kSpectralGroups; ++g) {
+    SpectralGroup group = atmosphere.spectrum[g];
+    sum += group.rgb * (group.solar_irradiance * exp(group.basis * coefficients));
+  }
+  return max(sum, vec3(0));
+}
+vec3 irradiance_of_lights(FrameConstants frame, float height_m, vec3 up, int part) {
+  vec3 sum = vec3(0);
+  for (int i = 0; i < int(frame.light_count); ++i)
+    sum += irradiance_part(height_m, dot(up, light_dir(frame, i)), part) * light_factor(frame, i);
+  return sum;
 }
 
-// Light of the sky, sun excluded, on a horizontal plane, lux per channel.
-vec3 sky_illuminance(FrameConstants frame, float height_m, float mu_s) {
-  return irradiance_part(height_m, mu_s, 0) * atmosphere.atmosphere_data.sky_luminance_factor * frame.sun_distance_factor;
-}
+// Light of the sky, sun and moon excluded, on a horizontal plane, lux per channel. `up` is the geodetic normal there.
+vec3 sky_illuminance(FrameConstants frame, float height_m, vec3 up) { return irradiance_of_lights(frame, height_m, up, 0); }
 
 // Mean luminances of the hemispheres above and below the horizontal, without the sun's disc; below includes the light of
 // the ground, with the planet's mean albedo.
-void hemisphere_luminances(FrameConstants frame, float height_m, float mu_s, out vec3 above, out vec3 below) {
-  vec3 factor = atmosphere.atmosphere_data.sky_luminance_factor * frame.sun_distance_factor;
-  above = irradiance_part(height_m, mu_s, 1) * factor;
-  below = irradiance_part(height_m, mu_s, 2) * factor;
+void hemisphere_luminances(FrameConstants frame, float height_m, vec3 up, out vec3 above, out vec3 below) {
+  above = irradiance_of_lights(frame, height_m, up, 1);
+  below = irradiance_of_lights(frame, height_m, up, 2);
 }
 
-// Mean over all directions.
-vec3 mean_sky_luminance(FrameConstants frame, float height_m, float mu_s) {
-  vec3 above, below;
-  hemisphere_luminances(frame, height_m, mu_s, above, below);
-  return 0.5 * (above + below);
-}
-
-// Luminance of the sky in direction `dir` seen from another point within the air, camera-relative metres; `dir` must be
-// above the horizon there. For reflections in water, and light on clouds.
-vec3 sky_luminance_at(FrameConstants frame, vec3 point_cam_m, vec3 dir) {
-  AtmosphereUniform air = atmosphere.atmosphere_data;
-  vec3 q = frame.planet.camera_q_m + scaled_from_cam(frame.planet, point_cam_m);
-  AirRay ray;
-  ray.in_air = true;
-  ray.outside = false;
-  ray.start_m = 0.0;
-  ray.stretch = 1.0;
-  ray.h = clamp(scaled_height_from_f(frame.planet, planet_f(frame.planet, point_cam_m)), 0.0, air.top_m);
-  ray.mu = clamp(dot(normalize(q), normalize(scaled_from_cam(frame.planet, dir))), -1.0, 1.0);
-  ray.mu_s = clamp(dot(geodetic_up(frame.planet, point_cam_m), frame.sun_dir), -1.0, 1.0);
-  ray.nu = clamp(dot(dir, frame.sun_dir), -1.0, 1.0);
-  vec3 transmittance;
-  return sky_radiance_within(ray, transmittance) * air.sky_luminance_factor * frame.sun_distance_factor;
+// Luminance of the sky that a point of the surface mirrors: seen from sea level with the lights' zenith angles there.
+// `up` is the geodetic normal at the point, dir is above the horizontal.
+vec3 mirrored_sky_luminance(FrameConstants frame, vec3 up, vec3 dir) {
+  AtmosphereUniform air = atmosphere.air;
+  float v = texel_coord(unit_from_sky_mu(air, 0.0, max(dot(up, dir), 0.0)), kMirrorMu);
+  vec3 sum = vec3(0);
+  for (int i = 0; i < int(frame.light_count); ++i) {
+    vec3 light = light_dir(frame, i);
+    float nu = clamp(dot(dir, light), -1.0, 1.0);
+    float x = unit_from_nu(nu), y = unit_from_mu_s(air, dot(up, light));
+    vec3 gas = sample_4d(mirror_tex, x, y, v, 0.5 / 3.0).rgb;
+    vec3 mie = sample_4d(mirror_tex, x, y, v, 1.5 / 3.0).rgb;
+    vec3 multiple = sample_4d(mirror_tex, x, y, v, 2.5 / 3.0).rgb;
+    sum += (gas * phase_rayleigh(nu) + mie * phase_aerosol(air, nu) + multiple) * light_factor(frame, i);
+  }
+  return max(sum, vec3(0));
 }
 #endif

@@ -13,49 +13,36 @@ void main() {
   uint i = gl_GlobalInvocationID.x;
   if (i >= push.count) return;
   AtmosphereCase c = cases.data[i];
-  AtmosphereUniform air = atmosphere.atmosphere_data;
+  AtmosphereUniform air = atmosphere.air;
   AtmosphereAnswer answer = AtmosphereAnswer(vec3(0), vec3(0));
-  if (push.kind == kProbeSkyRadiance || push.kind == kProbeRadianceToPoint) {
-    AirRay ray = air_ray_from(c.planet, c.camera_up, c.sun_dir, c.dir);
-    if (push.kind == kProbeSkyRadiance) {
-      answer.a = sky_radiance(ray, c.hits_ground != 0u, answer.b);
-    } else {
-      answer.a = radiance_to_point(ray, c.distance_m, answer.b);
-    }
+  AirRay ray = air_ray_from(c.planet, c.camera_up, c.sun_dir, c.dir);
+  vec3 columns = vec3(0);
+  if (push.kind == kProbeSkyRadiance) {
+    answer.a = sky_light(ray, c.dir, int(c.view), c.hits_ground != 0u, columns);
+    answer.b = transmittance_of(columns);
+  } else if (push.kind == kProbeRadianceToPoint) {
+    answer.a = light_to_point(ray, c.distance_m, c.shadow_m, columns);
+    answer.b = transmittance_of(columns);
   } else if (push.kind == kProbeSingleScattering) {
-    AirRay ray = AirRay(true, false, 0.0, 1.0, c.h, c.mu, c.mu_s, c.nu);
-    if (c.hits_ground != 0u) {
-      ScatteredLight light = scatter_along(air, c.h, c.mu, c.mu_s, c.nu, distance_to_ground(air, c.h, c.mu), true, false);
-      answer.a = light.rayleigh;
-      answer.b = light.mie;
-    } else {
-      float v = texel_coord(unit_from_sky_mu(air, c.h, c.mu), kSkyMu);
-      float w = texel_coord(unit_from_height(air, c.h), kAirR);
-      answer.a = sample_4d(rayleigh_tex, unit_from_nu(c.nu), unit_from_mu_s(air, c.mu_s), v, w) / kTableScale;
-      answer.b = sample_4d(mie_tex, unit_from_nu(c.nu), unit_from_mu_s(air, c.mu_s), v, w) / kTableScale;
-    }
+    float length_m = c.hits_ground != 0u ? distance_to_ground(air, c.h, c.mu) : distance_to_top(air, c.h, c.mu);
+    ScatteredLight light = scatter_along(c.h, c.mu, c.mu_s, c.nu, length_m, length_m, 1.0, 0.0);
+    answer.a = light.smooth_part;
+    answer.b = light.mie;
   } else if (push.kind == kProbeIrradiance) {
-    answer.a = air.solar_irradiance * mean_sun_cosine(air, c.mu_s) * exp(-sampled_optical_depth_to_top(air, c.h, c.mu_s));
+    answer.a = atmosphere.spectrum[0].solar_irradiance * mean_sun_cosine(air, c.mu_s) *
+               transmittance_of(sampled_columns_to_top(air, c.h, c.mu_s));
     answer.b = irradiance_part(c.h, c.mu_s, 0);
   } else if (push.kind == kProbeTransmittance) {
-    answer.a = exp(-sampled_optical_depth_to_top(air, c.h, c.mu));
+    answer.a = transmittance_of(sampled_columns_to_top(air, c.h, c.mu));
+  } else if (push.kind == kProbeLuminance) {
+    answer.a = sky_light(ray, c.dir, int(c.view), c.hits_ground != 0u, columns) * air.luminance_factor;
+    answer.b = light_to_point(ray, c.distance_m, 0.0, columns) * air.luminance_factor;
+  } else if (push.kind == kProbeSunSky) {
+    answer.a = atmosphere.spectrum[0].solar_irradiance * sun_transmittance(c.h, c.mu_s) * max(dot(c.dir, c.sun_dir), 0.0);
+    answer.b = irradiance_part(c.h, c.mu_s, 0) * (0.5 + 0.5 * dot(c.dir, c.camera_up));
   } else {
-    FrameConstants frame;
-    frame.planet = c.planet;
-    frame.camera_up = c.camera_up;
-    frame.sun_dir = c.sun_dir;
-    frame.sun_illuminance = air.sun_luminance_factor * air.solar_irradiance;
-    frame.sun_distance_factor = 1.0;
-    frame.sun_angular_radius_rad = air.sun_angular_radius_rad;
-    frame.pixel_angle_rad = 1.0e-3;
-    vec3 transmittance;
-    if (push.kind == kProbeLuminance) {
-      answer.a = sky_luminance(frame, c.dir, c.hits_ground != 0u, transmittance);
-      answer.b = aerial_perspective(frame, c.dir, c.distance_m, transmittance);
-    } else {
-      answer.a = sun_transmittance(c.h, c.mu_s);
-      answer.b = mean_sky_luminance(frame, c.h, c.mu_s);
-    }
+    answer.a = sun_transmittance(c.h, c.mu_s);
+    answer.b = 0.5 * (irradiance_part(c.h, c.mu_s, 1) + irradiance_part(c.h, c.mu_s, 2)) * air.luminance_factor;
   }
   answers.data[i] = answer;
 }

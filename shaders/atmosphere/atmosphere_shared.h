@@ -9,18 +9,21 @@
 SHARED_BEGIN
 
 // Table sizes in texels.
-SHARED_CONST int kTransmittanceMu = 256;  // transmittance_tex holds optical depths: they interpolate better
-SHARED_CONST int kTransmittanceR = 64;
-SHARED_CONST int kAirR = 32;          // heights of all other tables
-SHARED_CONST int kAirMuS = 32;        // sun zenith cosines
-SHARED_CONST int kAirNu = 8;          // view-sun angles
-SHARED_CONST int kSkyMu = 64;         // view zenith cosines of rays that reach space: rayleigh, mie, multiple
-SHARED_CONST int kSourceMu = 32;      // view zenith cosines of the source function, all directions
-SHARED_CONST int kMultipleRows = 96;  // of multiple_tex: kSkyMu of radiance, then kSourceMu of the source function
-SHARED_CONST int kIrradianceParts =
-    3;  // of irradiance_tex, stacked in v: horizontal irradiance, mean radiance above, below
-// The half-float tables hold values times this, so that twilight stays clear of half-float's denormals.
-SHARED_CONST float kTableScale = 1024.0f;
+SHARED_CONST int kColumnMu = 256;
+SHARED_CONST int kColumnR = 64;
+SHARED_CONST int kAirR = 32;        // heights of all other tables
+SHARED_CONST int kAirMuS = 32;      // sun zenith cosines
+SHARED_CONST int kAirNu = 8;        // view-sun angles
+SHARED_CONST int kSourceMu = 32;    // view zenith cosines of the source function, all directions
+SHARED_CONST int kMirrorMu = 48;    // elevations of the sky seen from the sea
+SHARED_CONST int kIrradianceParts = 3;  // stacked in v: horizontal irradiance, mean radiance above, below
+SHARED_CONST int kSkyAzimuths = 32;     // of a sky view, sun's azimuth to the one opposite
+SHARED_CONST int kSkyRows = 128;        // horizon to zenith
+SHARED_CONST int kSkyViewsWide = 64;    // sky views side by side in their image; more go below
+// The spectrum: wavelengths in threes, a vec3 each. One group is 680, 550, 440 nm.
+SHARED_CONST int kMaxSpectralGroups = 5;
+// Light in logarithmic tables is never less than this, per unit of the sun's.
+SHARED_CONST float kLeastLight = 1.0e-14f;
 
 // Directions of the incident light that is scattered again: zenith angles in three panels, split at the horizon of the
 // planet and at the horizontal, times azimuths from the sun in [0, pi]; the light is symmetric about the sun's
@@ -49,20 +52,36 @@ struct AtmosphereUniform {
   float top_m;                   // height of the top of the air
   float rho_top_m;               // horizontal distance from the ground to the top, sqrt(top (2R + top))
   float sun_angular_radius_rad;  // seen from 1 au
-  vec3 rayleigh_scattering_per_m;
   float rayleigh_scale_height_m;
-  vec3 mie_scattering_per_m;
   float mie_scale_height_m;
-  vec3 mie_extinction_per_m;
-  float mie_g;
-  vec3 ozone_absorption_per_m;
   float ozone_center_m;
-  vec3 solar_irradiance;  // at 1 au, W m^-2 nm^-1
   float ozone_half_width_m;
-  vec3 sky_luminance_factor;  // spectral radiance of the sky to linear Rec. 709 in cd/m^2 (luminance.h)
+  float mie_g;                   // the aerosol's phase function: phase_k (1 + phase_b cos^2) / (1 + g^2 - 2 g cos)^1.5
+  float mie_phase_k;
+  float mie_phase_b;             // 1 Cornette-Shanks, 0 Henyey-Greenstein
   float ground_albedo;
-  vec3 sun_luminance_factor;  // the same for unscattered sunlight
-  float mu_s_scale;           // A of the mu_s mapping, from the lowest sun
+  float mu_s_scale;              // A of the mu_s mapping, from the lowest sun
+  vec3 luminance_factor;         // from what the lookups sum to, to linear Rec. 709 in cd/m^2 (1 with the full spectrum)
+  vec3 sun_illuminance;          // at 1 au on a facing plane, lux per channel
+};
+
+// Three wavelengths.
+struct SpectralGroup {
+  vec3 rayleigh_scattering_per_m;  // at height 0
+  vec3 mie_scattering_per_m;
+  vec3 mie_extinction_per_m;
+  vec3 ozone_absorption_per_m;     // at the tent's top
+  vec3 solar_irradiance;           // at 1 au, W m^-2 nm^-1
+  mat3 rgb;                        // columns: radiance at each wavelength to linear Rec. 709; identity with one group
+  mat3 sun_share;                  // columns: share of each wavelength in the three channels of unscattered sunlight
+  mat4x3 basis;                    // log(J / E) of the wavelengths from the four coefficients of the logarithmic tables
+  mat3x4 fit;                      // its part of the coefficients from log(J / E)
+};
+
+// The uniform block `atmosphere`.
+struct AtmosphereData {
+  AtmosphereUniform air;
+  SpectralGroup spectrum[kMaxSpectralGroups];
 };
 
 // --- distances ---------------------------------------------------------------------------------------------------
@@ -118,13 +137,22 @@ SHARED_FN float ozone_density(AtmosphereUniform air, float h) {
   return max(0.0f, 1.0f - abs(h - air.ozone_center_m) / air.ozone_half_width_m);
 }
 
-// Extinction from the three densities, 1/m.
-SHARED_FN vec3 extinction_per_m(AtmosphereUniform air, vec3 density) {
-  return density.x * air.rayleigh_scattering_per_m + density.y * air.mie_extinction_per_m +
-         density.z * air.ozone_absorption_per_m;
-}
+// Of gas, aerosol, ozone.
 SHARED_FN vec3 densities(AtmosphereUniform air, float h) {
   return vec3(rayleigh_density(air, h), mie_density(air, h), ozone_density(air, h));
+}
+
+// Optical depth at three wavelengths from the columns of the three species (density integrated along a path, m); with
+// densities instead of columns: extinction, 1/m.
+SHARED_FN vec3 optical_depth(SpectralGroup group, vec3 columns) {
+  return columns.x * group.rayleigh_scattering_per_m + columns.y * group.mie_extinction_per_m +
+         columns.z * group.ozone_absorption_per_m;
+}
+
+// Phase function of the aerosol, 1/sr.
+SHARED_FN float phase_aerosol(AtmosphereUniform air, float nu) {
+  float d = max(1.0f + air.mie_g * air.mie_g - 2.0f * air.mie_g * nu, 1.0e-7f);
+  return air.mie_phase_k * (1.0f + air.mie_phase_b * nu * nu) / (d * sqrt(d));
 }
 
 // Share of the sun's disc above the planet's horizon, seen from height h (Bruneton 2017, GetTransmittanceToSun).
@@ -145,45 +173,82 @@ SHARED_FN float mean_sun_cosine(AtmosphereUniform air, float mu_s) {
 
 // --- quadrature along a path --------------------------------------------------------------------------------------
 
-// A path is cut at its lowest point into a descending and an ascending part. On each, with s in [0, 1] from its low
-// end, t = L (0.4 s + 0.6 s^2), and Gauss-Legendre in s. Nodes gather where the air is dense, which a vertical path
-// needs, without starving a grazing one (docs/atmosphere.md compares maps and node counts).
-struct PathPart {
-  float start_m;     // along the ray
-  float length_m;    // 0: nothing to do
-  float descending;  // 1 or 0
+// A path is cut into panels where its integrand has corners: at its lowest point, where it enters and leaves the
+// planet's shadow, and where the sunlight that reaches it ends (shadow_m: of clouds). In each, with s in [0, 1] from
+// its lower end, t = L (0.4 s + 0.6 s^2) and Gauss-Legendre in s: nodes gather where the air is dense, which a vertical
+// path needs, without starving a grazing one (docs/atmosphere.md compares maps and node counts).
+struct PathPanels {
+  vec4 cut_m;    // ascending distances from the start; those beyond the end are the end
+  float low_m;   // of the lowest point
+  float end_m;
+  int count;
 };
 
-// part 0: descending, part 1: ascending, of a path of length_m from height h.
-SHARED_FN PathPart path_part(AtmosphereUniform air, float h, float mu, float length_m, int part) {
-  float low = clamp(-(air.radius_m + h) * mu, 0.0f, length_m);
-  PathPart p;
-  p.descending = part == 0 ? 1.0f : 0.0f;
-  p.start_m = part == 0 ? 0.0f : low;
-  p.length_m = part == 0 ? low : length_m - low;
+SHARED_FN PathPanels path_panels(AtmosphereUniform air, float h, float mu, float mu_s, float nu, float length_m,
+                                 float sunlit_m) {
+  float r = air.radius_m + h;
+  PathPanels p;
+  p.end_m = length_m;
+  p.low_m = clamp(-r * mu, 0.0f, length_m);
+  // The shadow is a half cylinder: |p|^2 - (p.s)^2 = R^2 behind the planet, p = start + t dir.
+  float a = max(1.0f - nu * nu, 1.0e-9f);
+  float b = r * (mu - mu_s * nu);
+  float c = rho2_from_height(air, h) - (r * mu_s) * (r * mu_s);
+  float root = sqrt(max(b * b - a * c, 0.0f));
+  float q = b > 0.0f ? -(b + root) : root - b;
+  float t0 = q / a;
+  float t1 = q != 0.0f ? c / q : 0.0f;
+  bool crosses = b * b > a * c;
+  t0 = crosses && r * mu_s + t0 * nu < 0.0f ? clamp(t0, 0.0f, length_m) : length_m;
+  t1 = crosses && r * mu_s + t1 * nu < 0.0f ? clamp(t1, 0.0f, length_m) : length_m;
+  float s0 = min(t0, t1), s1 = max(t0, t1), l0 = p.low_m > 0.0f ? p.low_m : length_m, l1 = min(sunlit_m, length_m);
+  // Four numbers in order.
+  float a0 = min(s0, l0), a1 = max(s0, l0), b0 = min(s1, l1), b1 = max(s1, l1);
+  float m0 = max(a0, b0), m1 = min(a1, b1);
+  p.cut_m = vec4(min(a0, b0), min(m0, m1), max(m0, m1), max(a1, b1));
+  // A panel shorter than this holds nothing; the cut at its start then only costs time.
+  float least = 1.0e-4f * length_m;
+  p.cut_m = vec4(p.cut_m.x > least ? p.cut_m.x : length_m, p.cut_m.y > least ? p.cut_m.y : length_m,
+                 p.cut_m.z > least ? p.cut_m.z : length_m, p.cut_m.w > least ? p.cut_m.w : length_m);
+  a0 = min(p.cut_m.x, p.cut_m.y);
+  a1 = max(p.cut_m.x, p.cut_m.y);
+  b0 = min(p.cut_m.z, p.cut_m.w);
+  b1 = max(p.cut_m.z, p.cut_m.w);
+  m0 = max(a0, b0);
+  m1 = min(a1, b1);
+  p.cut_m = vec4(min(a0, b0), min(m0, m1), max(m0, m1), max(a1, b1));
+  float most = length_m - least;
+  p.count = length_m > 0.0f ? 1 + int(p.cut_m.x < most) + int(p.cut_m.y < most) + int(p.cut_m.z < most) + int(p.cut_m.w < most) : 0;
   return p;
 }
 
 // Distance from the ray's start (x) and weight in m (y) of the node with abscissa x and weight w on [0, 1], which
-// counts in the order of travel.
-SHARED_FN vec2 path_node(PathPart part, float x, float w) {
-  float s = part.descending > 0.5f ? 1.0f - x : x;
-  float t = part.length_m * s * (0.4f + 0.6f * s);
-  return vec2(part.start_m + (part.descending > 0.5f ? part.length_m - t : t), part.length_m * w * (0.4f + 1.2f * s));
+// counts from the panel's lower end.
+SHARED_FN vec2 path_node(PathPanels p, int panel, float x, float w) {
+  float from = panel == 0 ? 0.0f : panel == 1 ? p.cut_m.x : panel == 2 ? p.cut_m.y : panel == 3 ? p.cut_m.z : p.cut_m.w;
+  float to = panel + 1 >= p.count ? p.end_m : panel == 0 ? p.cut_m.x : panel == 1 ? p.cut_m.y : panel == 2 ? p.cut_m.z : p.cut_m.w;
+  float length_m = to - from;
+  float t = length_m * x * (0.4f + 0.6f * x);
+  bool descending = 0.5f * (from + to) < p.low_m;
+  return vec2(descending ? to - t : from + t, length_m * w * (0.4f + 1.2f * x));
 }
 
-// Optical depth from height h to the top along a ray that does not hit the ground: 8 panels of 8 nodes on each part,
-// because ozone's tent has kinks.
-SHARED_FN vec3 optical_depth_to_top(AtmosphereUniform air, float h, float mu) {
+// Columns of the three species (m of air as dense as at height 0, at the tent's top) from height h to the top along a
+// ray that does not hit the ground: 8 pieces of 8 nodes on either side of its lowest point, because ozone's tent has
+// corners.
+SHARED_FN vec3 columns_to_top(AtmosphereUniform air, float h, float mu) {
   vec3 sum = vec3(0.0f);
   float length_m = distance_to_top(air, h, mu);
-  for (int part = 0; part < 2; ++part) {
-    PathPart p = path_part(air, h, mu, length_m, part);
-    if (p.length_m <= 0.0f) continue;
+  PathPanels p;
+  p.end_m = length_m;
+  p.low_m = clamp(-(air.radius_m + h) * mu, 0.0f, length_m);
+  p.cut_m = vec4(p.low_m > 0.0f ? p.low_m : length_m, length_m, length_m, length_m);
+  p.count = p.low_m > 0.0f ? 2 : 1;
+  for (int panel = 0; panel < p.count; ++panel) {
     for (int i = 0; i < 64; ++i) {
       float x = (float(i >> 3) + kGauss8X[i & 7]) / 8.0f;
-      vec2 node = path_node(p, x, kGauss8W[i & 7] / 8.0f);
-      sum += node.y * extinction_per_m(air, densities(air, height_along(air, h, mu, node.x)));
+      vec2 node = path_node(p, panel, x, kGauss8W[i & 7] / 8.0f);
+      sum += node.y * densities(air, height_along(air, h, mu, node.x));
     }
   }
   return sum;
@@ -258,6 +323,40 @@ SHARED_FN float incident_phi(int i) { return (float(i) + 0.5f) * (kPi / float(kI
 SHARED_FN vec3 local_direction(float mu, float phi) {
   float s = sqrt(max(1.0f - mu * mu, 0.0f));
   return vec3(s * cos(phi), s * sin(phi), mu);
+}
+
+// --- the sky seen from one place -----------------------------------------------------------------------------------
+
+// One camera within the air and one light. Axes in scaled space: elevation is measured from the sphere's own vertical,
+// so that the horizon is at dip everywhere; azimuth from the light. The other half of the azimuths is the mirror image
+// (to 1e-4: phase functions do not come from here).
+struct SkyView {
+  vec3 up;       // unit, scaled space
+  float h;       // scaled height
+  vec3 forward;  // unit, scaled space, towards the light's azimuth
+  float dip_rad; // of the horizon, >= 0
+  vec3 light_dir;  // unit, true space
+  float mu_s;    // light's cosine to the geodetic normal
+  float a_over_b;
+  float split;   // share of rows below the horizontal
+  vec2 uv_origin;  // of its first texel's centre in the image of all views
+  vec2 uv_span;    // to its last texel's centre
+  float second_v;  // from the part without aerosol to the aerosol
+};
+
+SHARED_FN float sky_view_split(float dip_rad) { return 0.45f * dip_rad / (dip_rad + 0.06f); }
+
+// Rows: below the horizontal theta = dip w^2 above the horizon, so that tangent heights near the ground are dense;
+// above it, elevation = pi/2 w^2.
+SHARED_FN float sky_row_unit(SkyView view, float elevation_rad) {
+  float w_low = sqrt(clamp((elevation_rad + view.dip_rad) / max(view.dip_rad, 1.0e-6f), 0.0f, 1.0f));
+  float w_high = sqrt(clamp(elevation_rad * (2.0f / kPi), 0.0f, 1.0f));
+  return view.split * w_low + (1.0f - view.split) * w_high;
+}
+SHARED_FN float sky_row_elevation(SkyView view, float unit) {
+  float low = clamp(unit / max(view.split, 1.0e-6f), 0.0f, 1.0f);
+  float high = clamp((unit - view.split) / (1.0f - view.split), 0.0f, 1.0f);
+  return view.dip_rad * (low * low - 1.0f) + 0.5f * kPi * high * high;
 }
 
 SHARED_END

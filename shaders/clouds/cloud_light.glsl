@@ -10,7 +10,7 @@ const float kSunFirst_m = 48.0;
 const float kSunGrowth = 2.7;
 
 float cloud_sun_depth(vec3 p_cam, vec3 up, float height_m, CloudColumn column, float log2_footprint) {
-  vec3 sun = frame.frame_data.sun_dir;
+  vec3 sun = frame.frame_data.key_dir;
   float climb = dot(up, sun);
   float depth = 0.0, from_m = 0.0, length_m = max(kSunFirst_m, 0.4 * exp2(log2_footprint));
   for (int i = 0; i < kSunTaps; ++i) {

@@ -61,7 +61,7 @@ void main() {
   if (any(greaterThanEqual(pixel, ivec2(frame.frame_data.size)))) return;
   PlanetView planet = frame.frame_data.planet;
   vec3 dir = pixel_direction(frame.frame_data, vec2(pixel) + 0.5);
-  vec3 sun = frame.frame_data.sun_dir;
+  vec3 sun = frame.frame_data.key_dir;
 
   vec2 span, gap;
   float entry_f_m2;
@@ -228,14 +228,14 @@ void main() {
     mean_m = depth_sum / weight_sum;
     vec3 p = dir * mean_m;
     vec3 up = geodetic_up(planet, p);
-    float mu_s = dot(up, sun);
+    float mu_key = dot(up, sun);
     float height_m = geodetic_height(planet, p);
-    vec3 sun_lux = sun_illuminance(frame.frame_data, height_m, mu_s);
-    vec3 sky_lux = sky_illuminance(frame.frame_data, height_m, mu_s);
-    vec3 ground_lux = CLOUD.ground_albedo * (sun_lux * max(mu_s, 0.0) * (1.0 - 0.7 * CLOUD.coverage) + sky_lux);
+    vec3 sun_lux = key_illuminance(frame.frame_data, height_m, mu_key);
+    vec3 sky_lux = sky_illuminance(frame.frame_data, height_m, up) + frame.frame_data.night_illuminance;
+    vec3 ground_lux = CLOUD.ground_albedo * (sun_lux * max(mu_key, 0.0) * (1.0 - 0.7 * CLOUD.coverage) + sky_lux);
     radiance = light.x * sun_lux + light.y * sky_lux + light.z * ground_lux;
     vec3 air_transmittance;
-    vec3 air = aerial_perspective(frame.frame_data, dir, mean_m, air_transmittance);
+    vec3 air = aerial_perspective(frame.frame_data, dir, mean_m, 0.0, air_transmittance);
     radiance = radiance * air_transmittance + air * (1.0 - transmittance);
   }
   imageStore(out_radiance, pixel, vec4(radiance, transmittance));

@@ -9,7 +9,7 @@ const int kShadowSteps = 8;
 // (the light that does not arrive needs no shadow).
 float cloud_sun_transmittance(vec3 p_cam) {
   PlanetView planet = frame.frame_data.planet;
-  vec3 sun = frame.frame_data.sun_dir;
+  vec3 sun = frame.frame_data.key_dir;
   if (CLOUD.uniform_density > 0.0) return 1.0;  // a test's slab; without coverage there is no pass
   float height_m = geodetic_height(planet, p_cam);
   float climb = dot(geodetic_up(planet, p_cam), sun);

@@ -34,6 +34,8 @@ struct FrameConstants {
   float pad2;
   vec3 sun_illuminance_1au;   // sun_illuminance / sun_distance_factor
   float pad3;
+  vec3 night_illuminance;     // of airglow and stars on a horizontal plane at the ground, lux per channel: the least light there is
+  float pad4;
 };
 
 // Unit direction through pixel coordinates (pixel centres at +0.5).

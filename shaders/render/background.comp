@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What lies behind the clouds, as the camera sees it through clear air: the lit surface, or the sky with the sun's disc.
+// What lies behind the clouds, as the camera sees it through clear air: the lit surface, or the sky with sun, moon and stars.
 #include "common/frame.h"
 #include "common/water.h"
 #include "render/render_shared.h"
@@ -15,53 +15,69 @@ layout(set = 0, binding = 5) uniform sampler2D sun_visible_share;  // of the sur
 layout(set = 0, binding = 6, rgba32f) uniform writeonly image2D background;
 #define ATMOSPHERE_BINDING 8
 #include "atmosphere/atmosphere_lookup.glsl"
+#define NIGHT_SKY_BINDING 16
+#include "render/night_sky.glsl"
+// Constant 0 is the number of spectral groups.
+layout(constant_id = 1) const bool kSurfaces = true;  // false: nothing but sky, seen from within the air
+layout(constant_id = 2) const bool kNight = true;     // false: by day; stars and airglow are left out
 layout(push_constant, scalar) uniform PushBlock { BackgroundPush push; };
 
-// One sky lookup serves both what is seen and what water mirrors: the shader stays small.
+// What leaves the surface towards the eye.
+vec3 surface_luminance(FrameConstants f, ivec2 pixel, vec3 dir, float distance, vec4 surface) {
+  vec3 point = dir * distance;
+  vec3 up = geodetic_up(f.planet, point);
+  float height = geodetic_height(f.planet, point);
+  vec3 n = texelFetch(normal, pixel, 0).xyz;
+  n = dot(n, n) > 0.25 ? normalize(n) : up;
+  float mu_key = dot(up, f.key_dir);
+  float visibility = push.has_cloud_shadow != 0u ? texelFetch(sun_visible_share, pixel, 0).r : 1.0;
+  vec3 key = key_illuminance(f, height, mu_key) * visibility;
+  vec3 sky = sky_illuminance(f, height, up) + (kNight ? night_illuminance_lux() : vec3(0));
+  vec3 result;
+  if (surface.a > 1.5) {
+    // Water: the sky mirrored by a rough surface, the light's glint, and what little comes back from below.
+    float slopes = water_slope_variance(push.wind_mps);
+    float cos_v = max(dot(up, -dir), 1.0e-3);
+    // Seen flat, the visible facets lean towards the eye and mirror a higher part of the sky.
+    vec3 mirrored = reflect(dir, up);
+    mirrored = normalize(mirrored + up * sqrt(slopes) * (1.0 - cos_v));
+    vec3 reflected = mirrored_sky_luminance(f, up, mirrored) + (kNight ? night_illuminance_lux() / kPi : vec3(0));
+    float fresnel = fresnel_rough(cos_v, 0.5 * slopes);
+    vec3 body = water_body_albedo() * (key * max(mu_key, 0.0) + sky) * (1.0 / kPi);
+    result = fresnel * reflected + (1.0 - fresnel) * body + key * sun_glint_per_sr(up, -dir, f.key_dir, slopes);
+  } else {
+    float lit = max(dot(n, f.key_dir), 0.0);
+    float open = 0.5 + 0.5 * dot(n, up);  // share of the sky that a slope sees; the rest is lit ground
+    vec3 below = (key * max(mu_key, 0.0) + sky) * push.ground_albedo;
+    vec3 illuminance = key * lit + sky * open + below * (1.0 - open);
+    result = surface.rgb * illuminance * (1.0 / kPi);
+  }
+  return result + texelFetch(emission, pixel, 0).rgb * push.night_light_cd_m2;
+}
+
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   FrameConstants f = frame.frame_data;
   if (any(greaterThanEqual(pixel, ivec2(f.size)))) return;
   vec3 dir = pixel_direction(f, vec2(pixel) + 0.5);
-  float distance = texelFetch(depth_m, pixel, 0).r;
-  vec4 surface = texelFetch(albedo, pixel, 0);
-  vec3 result;
-  if (distance >= 0.5 * kFarDepth_m || surface.a < 0.5) {
-    vec3 through;
-    result = sky_luminance(f, dir, false, through);
-    result += sun_disc_luminance(f, dir, through);
-  } else {
-    vec3 point = dir * distance;
-    vec3 up = geodetic_up(f.planet, point);
-    float height = geodetic_height(f.planet, point);
-    float mu_s = dot(up, f.sun_dir);
-    vec3 n = texelFetch(normal, pixel, 0).xyz;
-    n = dot(n, n) > 0.25 ? normalize(n) : up;
-    float visibility = push.has_cloud_shadow != 0u ? texelFetch(sun_visible_share, pixel, 0).r : 1.0;
-    vec3 sun = sun_illuminance(f, height, mu_s) * visibility;
-    vec3 sky = sky_illuminance(f, height, mu_s);
-    if (surface.a > 1.5) {
-      // Water: the sky mirrored by a rough surface, the sun's glint, and what little comes back from below.
-      float slopes = water_slope_variance(push.wind_mps);
-      float cos_v = max(dot(up, -dir), 1.0e-3);
-      // Seen flat, the visible facets lean towards the eye and mirror a higher part of the sky.
-      vec3 mirrored = reflect(dir, up);
-      mirrored = normalize(mirrored + up * sqrt(slopes) * (1.0 - cos_v));
-      vec3 reflected = sky_luminance_at(f, point, mirrored);
-      float fresnel = fresnel_rough(cos_v, 0.5 * slopes);
-      vec3 body = water_body_albedo() * (sun * max(mu_s, 0.0) + sky) * (1.0 / kPi);
-      result = fresnel * reflected + (1.0 - fresnel) * body + sun * sun_glint_per_sr(up, -dir, f.sun_dir, slopes);
-    } else {
-      float lit = max(dot(n, f.sun_dir), 0.0);
-      float open = 0.5 + 0.5 * dot(n, up);  // share of the sky that a slope sees; the rest is lit ground
-      vec3 below = (sun * max(mu_s, 0.0) + sky) * push.ground_albedo;
-      vec3 illuminance = sun * lit + sky * open + below * (1.0 - open);
-      result = surface.rgb * illuminance * (1.0 / kPi);
-    }
-    result += texelFetch(emission, pixel, 0).rgb * push.night_light_cd_m2;
-    vec3 through;
-    vec3 air = aerial_perspective(f, dir, distance, through);
-    result = result * through + air;
+  bool is_sky = true;
+  float distance = kFarDepth_m;
+  vec4 surface = vec4(0);
+  if (kSurfaces) {
+    distance = texelFetch(depth_m, pixel, 0).r;
+    surface = texelFetch(albedo, pixel, 0);
+    is_sky = distance >= 0.5 * kFarDepth_m || surface.a < 0.5;
   }
-  imageStore(background, pixel, vec4(result, 1.0));
+  vec3 through;
+  vec3 air = air_luminance(f, dir, is_sky, distance, kSurfaces, through);
+  vec3 behind = vec3(0);
+  if (is_sky) {
+    behind = moon_disc_luminance(f, dir);
+    if (kNight) behind += stars_luminance(f, pixel) * (1.0 - moon_cover(f, dir));
+    behind = behind * through + sun_disc_luminance(f, dir, through);
+  } else {
+    behind = surface_luminance(f, pixel, dir, distance, surface) * through;
+  }
+  if (kNight) behind += airglow_luminance(f, dir, !is_sky, through);
+  imageStore(background, pixel, vec4(air + behind, 1.0));
 }

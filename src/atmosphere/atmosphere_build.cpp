@@ -1,11 +1,12 @@
 #include "atmosphere/atmosphere_build.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "atmosphere/atmosphere_cache.h"
 #include "atmosphere/incident.comp.h"
 #include "atmosphere/irradiance.comp.h"
-#include "atmosphere/sky_tables.comp.h"
+#include "atmosphere/mirror.comp.h"
 #include "atmosphere/source.comp.h"
 #include "atmosphere/transmittance.comp.h"
 #include "gpu/commands.h"
@@ -27,114 +28,128 @@ struct OrderPush {
 constexpr uint32_t u32(int n) { return static_cast<uint32_t>(n); }
 
 /// Raise it when the order or meaning of the steps changes: old cache files are then no longer found.
-constexpr uint64_t kBuildVersion = 1;
+constexpr uint64_t kBuildVersion = 2;
 
 /// Heights per submission of the long steps: an interactive frame or a watchdog must not wait for all of them.
-constexpr int kHeightsPerStep = 8;
+constexpr int kHeightsPerStep = 4;
 
-class Builder {
+constexpr uint64_t kVec3Bytes = 12;
+constexpr uint64_t kCells = uint64_t{shared::kAirR} * shared::kAirMuS;
+
+}  // namespace
+
+class AtmosphereBuild::Steps {
  public:
-  Builder(gpu::Device& device, const shared::AtmosphereUniform& air, const AtmosphereTableTargets& targets)
-      : air_(air),
+  Steps(gpu::Device& device, const AtmosphereConstants& air, const AtmosphereTableTargets& targets)
+      : air_(air.data),
         to_(targets),
         executor_(device),
         transmittance_(device, {"atmosphere.transmittance", transmittance_comp}),
-        incident_(device, {"atmosphere.incident", incident_comp}),
-        irradiance_(device, {"atmosphere.irradiance", irradiance_comp}),
-        source_(device, {"atmosphere.source", source_comp}),
-        sky_(device, {"atmosphere.sky_tables", sky_tables_comp}) {
-    const Extent3D source_extent(u32(shared::kAirNu * shared::kAirMuS), u32(shared::kSourceMu), u32(shared::kAirR));
-    order_source_ = device.create_image({"atmosphere.order_source", source_extent, Format::rgba32f});
-    sum_source_ = device.create_image({"atmosphere.sum_source", source_extent, Format::rgba32f});
-    order_irradiance_ =
-        device.create_image({"atmosphere.order_irradiance", targets.irradiance.desc().extent, Format::rgba32f});
+        first_incident_(device, {"atmosphere.incident.1", incident_comp, {u32(air.spectral_groups), 1u}}),
+        incident_(device, {"atmosphere.incident", incident_comp, {u32(air.spectral_groups), 0u}}),
+        irradiance_(device, {"atmosphere.irradiance", irradiance_comp, {u32(air.spectral_groups)}}),
+        source_(device, {"atmosphere.source", source_comp, {u32(air.spectral_groups)}}),
+        mirror_(device, {"atmosphere.mirror", mirror_comp, {u32(air.spectral_groups)}}) {
+    const uint64_t light_bytes = kVec3Bytes * static_cast<uint64_t>(air.spectral_groups);
+    order_source_ = device.create_image({"atmosphere.order_source", targets.source.desc().extent, Format::rgba32f});
+    order_irradiance_ = device.create_buffer({"atmosphere.order_irradiance", light_bytes * shared::kAirMuS, false});
+    irradiance_sum_ = device.create_buffer({"atmosphere.irradiance_sum", light_bytes * kCells * 3, false});
+    moments_ = device.create_buffer({"atmosphere.moments", light_bytes * kCells * 4, false});
     incident_light_ =
-        device.create_buffer({"atmosphere.incident_light",
-                              uint64_t{16} * shared::kAirR * shared::kAirMuS * shared::kIncidentDirections, false});
+        device.create_buffer({"atmosphere.incident_light", light_bytes * kCells * shared::kIncidentDirections, false});
+    source_sum_ = device.create_buffer(
+        {"atmosphere.source_sum", light_bytes * kCells * shared::kSourceMu * shared::kAirNu, false});
+    no_light(device);
   }
 
   void transmittance() {
     run([&](FrameGraph& g, BufferRef air) {
       g.pass("atmosphere.transmittance")
           .uniform("atmosphere", air)
-          .write("out_transmittance", g.import(to_.transmittance))
+          .write("out_columns", g.import(to_.transmittance))
           .record([this](gpu::Commands& cmd) {
-            cmd.bind(transmittance_).dispatch_threads(u32(shared::kTransmittanceMu), u32(shared::kTransmittanceR));
+            cmd.bind(transmittance_).dispatch_threads(u32(shared::kColumnMu), u32(shared::kColumnR));
           });
     });
   }
 
-  /// Light of `order` that arrives everywhere, and its sums over the hemispheres.
-  void incident(int order) {
+  /// Light of `order` that arrives at some of the heights.
+  void incident(int order, int first, int count) {
     run([&](FrameGraph& g, BufferRef air) {
-      const BufferRef light = g.import(incident_light_);
-      const ImageRef order_irradiance = g.import(order_irradiance_);
       g.pass("atmosphere.incident")
           .uniform("atmosphere", air)
           .sample("transmittance_tex", g.import(to_.transmittance))
-          .sample("irradiance_tex", order_irradiance)
+          .read("order_irradiance", g.import(order_irradiance_))
           .sample("source_tex", g.import(order_source_))
-          .write("incident", light)
-          .record([this, order](gpu::Commands& cmd) {
-            cmd.bind(incident_)
-                .push(OrderPush{order})
-                .dispatch_threads(u32(shared::kIncidentDirections), u32(shared::kAirMuS), u32(shared::kAirR));
+          .write("incident", g.import(incident_light_))
+          .record([this, order, first, count](gpu::Commands& cmd) {
+            cmd.bind(order == 1 ? first_incident_ : incident_)
+                .push(StepPush{order, first})
+                .dispatch_threads(u32(shared::kIncidentDirections), u32(shared::kAirMuS), u32(count));
           });
+    });
+  }
+
+  /// Its sums over the hemispheres.
+  void irradiance(int order) {
+    run([&](FrameGraph& g, BufferRef air) {
       g.pass("atmosphere.irradiance")
           .uniform("atmosphere", air)
-          .read("incident", light)
-          .write("out_order", order_irradiance)
-          .read_write("sum", g.import(to_.irradiance))
+          .read("incident", g.import(incident_light_))
+          .write("order_irradiance", g.import(order_irradiance_))
+          .write("moments", g.import(moments_))
+          .read_write("irradiance_sum", g.import(irradiance_sum_))
+          .write("out_irradiance", g.import(to_.irradiance))
           .record([this, order](gpu::Commands& cmd) {
             cmd.bind(irradiance_).push(OrderPush{order}).dispatch_threads(u32(shared::kAirMuS), u32(shared::kAirR));
           });
     });
   }
 
-  /// The incident light scattered once more.
-  void source(int order) {
-    for_height_steps([&](int first, int count) {
-      run([&](FrameGraph& g, BufferRef air) {
-        g.pass("atmosphere.source")
-            .uniform("atmosphere", air)
-            .read("incident", g.import(incident_light_))
-            .write("out_order", g.import(order_source_))
-            .read_write("sum", g.import(sum_source_))
-            .record([this, order, first, count](gpu::Commands& cmd) {
-              cmd.bind(source_)
-                  .push(StepPush{order, first})
-                  .dispatch_threads(u32(shared::kAirNu * shared::kSourceMu), u32(shared::kAirMuS), u32(count));
-            });
-      });
+  /// The incident light scattered once more, at some of the heights.
+  void source(int order, int first, int count) {
+    run([&](FrameGraph& g, BufferRef air) {
+      g.pass("atmosphere.source")
+          .uniform("atmosphere", air)
+          .read("incident", g.import(incident_light_))
+          .read("moments", g.import(moments_))
+          .read_write("source_sum", g.import(source_sum_))
+          .write("out_order", g.import(order_source_))
+          .write("out_source", g.import(to_.source))
+          .record([this, order, first, count](gpu::Commands& cmd) {
+            cmd.bind(source_)
+                .push(StepPush{order, first})
+                .dispatch_threads(u32(shared::kAirNu * shared::kSourceMu), u32(shared::kAirMuS), u32(count));
+          });
     });
   }
 
-  void sky_tables(int orders) {
-    for_height_steps([&](int first, int count) {
-      run([&](FrameGraph& g, BufferRef air) {
-        g.pass("atmosphere.sky_tables")
-            .uniform("atmosphere", air)
-            .sample("transmittance_tex", g.import(to_.transmittance))
-            .sample("source_tex", g.import(sum_source_))
-            .write("out_rayleigh", g.import(to_.rayleigh))
-            .write("out_mie", g.import(to_.mie))
-            .write("out_multiple", g.import(to_.multiple))
-            .record([this, orders, first, count](gpu::Commands& cmd) {
-              cmd.bind(sky_)
-                  .push(StepPush{orders, first})
-                  .dispatch_threads(u32(shared::kAirNu * shared::kAirMuS), u32(shared::kMultipleRows), u32(count));
-            });
-      });
+  void mirror() {
+    run([&](FrameGraph& g, BufferRef air) {
+      g.pass("atmosphere.mirror")
+          .uniform("atmosphere", air)
+          .sample("transmittance_tex", g.import(to_.transmittance))
+          .sample("source_tex", g.import(to_.source))
+          .write("out_mirror", g.import(to_.mirror))
+          .record([this](gpu::Commands& cmd) {
+            cmd.bind(mirror_).dispatch_threads(u32(shared::kAirNu * shared::kAirMuS), u32(shared::kMirrorMu));
+          });
     });
   }
 
   std::vector<std::pair<std::string, double>> times;
 
  private:
-  template <typename F>
-  void for_height_steps(F&& f) {
-    for (int first = 0; first < shared::kAirR; first += kHeightsPerStep)
-      f(first, std::min(kHeightsPerStep, shared::kAirR - first));
+  /// Single scattering has no source function: the coefficients of the least light.
+  void no_light(gpu::Device& device) {
+    glm::vec4 none(0.0f);
+    for (const shared::SpectralGroup& group : air_.spectrum)
+      none += group.fit * glm::vec3(std::log(shared::kLeastLight));
+    const Extent3D e = to_.source.desc().extent;
+    const std::vector<glm::vec4> texels(size_t{e.width} * e.height * e.depth, none);
+    const gpu::ImageUpload uploads[] = {{&to_.source, std::as_bytes(std::span(texels)), 0, 0},
+                                        {&order_source_, std::as_bytes(std::span(texels)), 0, 0}};
+    device.upload(uploads);
   }
   template <typename F>
   void run(F&& declare) {
@@ -144,35 +159,47 @@ class Builder {
     for (const gpu::PassTiming& t : executor_.timings()) times.emplace_back(t.name, t.gpu_ms);
   }
 
-  shared::AtmosphereUniform air_;
+  shared::AtmosphereData air_;
   AtmosphereTableTargets to_;
   gpu::GraphExecutor executor_;
-  gpu::ComputePipeline transmittance_, incident_, irradiance_, source_, sky_;
-  gpu::Image order_source_, sum_source_, order_irradiance_;
-  gpu::Buffer incident_light_;
+  gpu::ComputePipeline transmittance_, first_incident_, incident_, irradiance_, source_, mirror_;
+  gpu::Image order_source_;
+  gpu::Buffer order_irradiance_, irradiance_sum_, moments_, incident_light_, source_sum_;
 };
 
-}  // namespace
-
-std::vector<std::pair<std::string, double>> build_atmosphere_tables(gpu::Device& device,
-                                                                    const shared::AtmosphereUniform& air, int orders,
-                                                                    const AtmosphereTableTargets& targets) {
-  Builder builder(device, air, targets);
-  builder.transmittance();
+AtmosphereBuild::AtmosphereBuild(gpu::Device& device, const AtmosphereConstants& air, int orders,
+                                 const AtmosphereTableTargets& to)
+    : passes_(std::make_unique<Steps>(device, air, to)) {
+  Steps* const p = passes_.get();
+  todo_.push_back([p] { p->transmittance(); });
+  const auto for_heights = [&](auto step) {
+    for (int first = 0; first < shared::kAirR; first += kHeightsPerStep)
+      todo_.push_back([=] { step(first, std::min(kHeightsPerStep, shared::kAirR - first)); });
+  };
   for (int order = 1; order <= orders; ++order) {
-    builder.incident(order);
-    if (order < orders) builder.source(order + 1);
+    for_heights([=](int first, int count) { p->incident(order, first, count); });
+    todo_.push_back([=] { p->irradiance(order); });
+    if (order < orders) for_heights([=](int first, int count) { p->source(order + 1, first, count); });
   }
-  builder.sky_tables(orders);
-  return builder.times;
+  todo_.push_back([p] { p->mirror(); });
 }
+
+AtmosphereBuild::~AtmosphereBuild() = default;
+
+bool AtmosphereBuild::step() {
+  if (next_ == steps()) return false;
+  todo_[static_cast<size_t>(next_++)]();
+  return true;
+}
+
+const std::vector<std::pair<std::string, double>>& AtmosphereBuild::times() const { return passes_->times; }
 
 uint64_t atmosphere_build_hash() {
   uint64_t hash = hash_bytes(std::as_bytes(std::span(&kBuildVersion, 1)));
   for (const std::span<const uint32_t> spirv :
        {std::span<const uint32_t>(transmittance_comp), std::span<const uint32_t>(incident_comp),
         std::span<const uint32_t>(irradiance_comp), std::span<const uint32_t>(source_comp),
-        std::span<const uint32_t>(sky_tables_comp)})
+        std::span<const uint32_t>(mirror_comp)})
     hash = hash_bytes(std::as_bytes(spirv), hash);
   return hash;
 }

@@ -5,9 +5,12 @@
 
 #include "atmosphere/atmosphere_build.h"
 #include "atmosphere/atmosphere_cache.h"
-#include "atmosphere/atmosphere_uniform.h"
+#include "atmosphere/sky_view.comp.h"
+#include "atmosphere/sky_view.h"
+#include "base/error.h"
 #include "base/files.h"
 #include "base/log.h"
+#include "gpu/commands.h"
 
 namespace nepho {
 
@@ -21,10 +24,10 @@ uint64_t hash_value(const T& value, uint64_t seed) {
 }
 
 /// Everything that the tables' bits depend on: parameters, shaders (with their sizes), device and driver.
-uint64_t cache_key(const gpu::Device& device, const AtmosphereParams& p, const shared::AtmosphereUniform& uniform) {
+uint64_t cache_key(const gpu::Device& device, const AtmosphereParams& p, const AtmosphereConstants& constants) {
   uint64_t key = atmosphere_build_hash();
-  key = hash_value(uniform, key);
-  key = hash_value(p.min_sun_zenith_cos, key);
+  key = hash_value(constants.data, key);
+  key = hash_value(constants.spectral_groups, key);
   key = hash_value(p.scattering_orders, key);
   for (const std::string& s : {device.info().name, device.info().driver})
     key = hash_bytes(std::as_bytes(std::span(s.data(), s.size())), key);
@@ -33,70 +36,118 @@ uint64_t cache_key(const gpu::Device& device, const AtmosphereParams& p, const s
 
 }  // namespace
 
-AtmosphereTables::AtmosphereTables(gpu::Device& device, const AtmosphereParams& params)
-    : params_(params), uniform_(make_atmosphere_uniform(params)) {
-  const auto start = std::chrono::steady_clock::now();
-  const uint32_t x = u32(shared::kAirNu * shared::kAirMuS), z = u32(shared::kAirR);
+AtmosphereTables::AtmosphereTables(gpu::Device& device, const AtmosphereParams& params, Start start)
+    : device_(device), params_(params), constants_(make_atmosphere_constants(params)) {
+  const auto began = std::chrono::steady_clock::now();
+  const uint32_t x = u32(shared::kAirNu * shared::kAirMuS);
   transmittance_ = device.create_image(
-      {"atmosphere.transmittance_tex", {u32(shared::kTransmittanceMu), u32(shared::kTransmittanceR)}, Format::rgba32f});
+      {"atmosphere.transmittance_tex", {u32(shared::kColumnMu), u32(shared::kColumnR)}, Format::rgba32f});
   irradiance_ = device.create_image({"atmosphere.irradiance_tex",
                                      {u32(shared::kAirMuS), u32(shared::kIrradianceParts * shared::kAirR)},
                                      Format::rgba32f});
-  rayleigh_ = device.create_image({"atmosphere.rayleigh_tex", {x, u32(shared::kSkyMu), z}, Format::rgba16f});
-  mie_ = device.create_image({"atmosphere.mie_tex", {x, u32(shared::kSkyMu), z}, Format::rgba16f});
-  multiple_ = device.create_image({"atmosphere.multiple_tex", {x, u32(shared::kMultipleRows), z}, Format::rgba16f});
+  source_ =
+      device.create_image({"atmosphere.source_tex", {x, u32(shared::kSourceMu), u32(shared::kAirR)}, Format::rgba32f});
+  mirror_ = device.create_image({"atmosphere.mirror_tex", {x, u32(shared::kMirrorMu), 3}, Format::rgba32f});
+  sky_view_ = gpu::ComputePipeline(device, {"atmosphere.sky_view", sky_view_comp, {spectral_groups()}});
 
-  const uint64_t key = cache_key(device, params, uniform_);
+  key_ = cache_key(device, params, constants_);
   const std::filesystem::path folder = cache_dir();
-  if (!folder.empty()) cache_file_ = folder / fmt::format("atmosphere-{:016x}.bin", key);
-  came_from_cache_ = load(device, key);
+  if (!folder.empty()) cache_file_ = folder / fmt::format("atmosphere-{:016x}.bin", key_);
+  came_from_cache_ = load();
   if (!came_from_cache_) {
     log_info("computing the atmosphere's tables ({} scattering orders)", params.scattering_orders);
-    step_ms_ = build_atmosphere_tables(device, uniform_, params.scattering_orders,
-                                       {transmittance_, irradiance_, rayleigh_, mie_, multiple_});
-    save(device, key);
+    build_ = std::make_unique<AtmosphereBuild>(device, constants_, params.scattering_orders,
+                                               AtmosphereTableTargets{transmittance_, irradiance_, source_, mirror_});
   }
-  build_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  build_ms_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
+  if (start == Start::at_once) advance(1e300);
 }
 
-bool AtmosphereTables::load(gpu::Device& device, uint64_t key) {
+AtmosphereTables::~AtmosphereTables() = default;
+
+double AtmosphereTables::progress() const {
+  return build_ ? static_cast<double>(build_->steps_done()) / build_->steps() : 1.0;
+}
+
+bool AtmosphereTables::advance(double budget_ms) {
+  if (!build_) return true;
+  const auto began = std::chrono::steady_clock::now();
+  const auto spent_ms = [&] {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
+  };
+  bool more = true;
+  do more = build_->step();
+  while (more && spent_ms() < budget_ms);
+  if (!more) {
+    step_ms_ = build_->times();
+    build_.reset();
+    save();
+  }
+  build_ms_ += spent_ms();
+  return !build_;
+}
+
+bool AtmosphereTables::load() {
   if (cache_file_.empty()) return false;
   std::vector<size_t> sizes;
   for (const gpu::Image* image : images()) {
     const ImageDesc& d = image->desc();
     sizes.push_back(size_t{d.extent.width} * d.extent.height * d.extent.depth * bytes_per_texel(d.format));
   }
-  const auto blocks = load_cached_blocks(cache_file_, key, sizes);
+  const auto blocks = load_cached_blocks(cache_file_, key_, sizes);
   if (!blocks) return false;
   std::vector<gpu::ImageUpload> uploads;
   for (size_t i = 0; i < blocks->size(); ++i) uploads.push_back({images()[i], (*blocks)[i], 0, 0});
-  device.upload(uploads);
+  device_.upload(uploads);
   return true;
 }
 
-void AtmosphereTables::save(gpu::Device& device, uint64_t key) const {
+void AtmosphereTables::save() const {
   if (cache_file_.empty()) return;
   std::vector<std::vector<std::byte>> blocks;
-  for (const gpu::Image* image : images()) blocks.push_back(device.download(*image));
-  save_cached_blocks(cache_file_, key, blocks);
+  for (const gpu::Image* image : images()) blocks.push_back(device_.download(*image));
+  save_cached_blocks(cache_file_, key_, blocks);
 }
 
-AtmosphereTables::Refs AtmosphereTables::import(FrameGraph& graph, const FrameInfo&) const {
-  return {.transmittance = graph.import(transmittance_),
-          .irradiance = graph.import(irradiance_),
-          .rayleigh = graph.import(rayleigh_),
-          .mie = graph.import(mie_),
-          .multiple = graph.import(multiple_),
-          .params = graph.constants("atmosphere", uniform_)};
+AtmosphereTables::Refs AtmosphereTables::add(FrameGraph& graph, std::span<const shared::SkyView> views) const {
+  NEPHO_ASSERT(ready());
+  Refs refs{.transmittance = graph.import(transmittance_),
+            .irradiance = graph.import(irradiance_),
+            .source = graph.import(source_),
+            .mirror = graph.import(mirror_),
+            .sky_view = {},
+            .params = graph.constants("atmosphere", constants_.data),
+            .sky_views = {}};
+  if (views.empty()) {
+    // Bound, but never read: every ray of such a camera is integrated.
+    refs.sky_view = refs.transmittance;
+    refs.sky_views = graph.constants("sky_views", shared::SkyView{});
+    return refs;
+  }
+  const auto count = static_cast<uint32_t>(views.size());
+  const glm::uvec2 extent = sky_view_extent(static_cast<int>(count));
+  refs.sky_views = graph.constants("sky_views", views.data(), views.size_bytes());
+  refs.sky_view = graph.create("atmosphere.sky_view", {.extent = {extent.x, extent.y}, .format = Format::rgba32f});
+  graph.pass("atmosphere.sky_view")
+      .uniform("atmosphere", refs.params)
+      .sample("transmittance_tex", refs.transmittance)
+      .sample("source_tex", refs.source)
+      .read("sky_views", refs.sky_views)
+      .write("out_sky_view", refs.sky_view)
+      .record([this, count](gpu::Commands& cmd) {
+        cmd.bind(sky_view_).dispatch_threads(u32(shared::kSkyAzimuths), u32(shared::kSkyRows), count);
+      });
+  return refs;
 }
 
 void AtmosphereTables::bind(FrameGraph::PassBuilder& pass, const Refs& refs) {
   pass.uniform("atmosphere", refs.params)
       .sample("transmittance_tex", refs.transmittance)
       .sample("irradiance_tex", refs.irradiance)
-      .sample("rayleigh_tex", refs.rayleigh)
-      .sample("mie_tex", refs.mie)
-      .sample("multiple_tex", refs.multiple);
+      .sample("source_tex", refs.source)
+      .sample("mirror_tex", refs.mirror)
+      .sample("sky_view_tex", refs.sky_view)
+      .read("sky_views", refs.sky_views);
 }
 
 }  // namespace nepho

@@ -6,8 +6,8 @@
 
 namespace nepho {
 
-CloudMarchPass::CloudMarchPass(gpu::Device& device)
-    : march_(device, {.name = "clouds.march", .spirv = cloud_march_comp}),
+CloudMarchPass::CloudMarchPass(gpu::Device& device, uint32_t spectral_groups)
+    : march_(device, {.name = "clouds.march", .spirv = cloud_march_comp, .constants = {spectral_groups}}),
       clear_(device, {.name = "clouds.clear", .spirv = cloud_clear_comp}) {}
 
 CloudMarchPass::Outputs CloudMarchPass::add(FrameGraph& graph, const FrameInfo& frame, const CloudParams& params,

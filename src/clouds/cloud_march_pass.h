@@ -23,7 +23,8 @@ class CloudMarchPass {
     /// dominant layer (0 none, 1..4); march steps.
     ImageRef info;
   };
-  explicit CloudMarchPass(gpu::Device& device);
+  /// `spectral_groups`: AtmosphereTables::spectral_groups() of the tables that add() gets.
+  CloudMarchPass(gpu::Device& device, uint32_t spectral_groups);
   Outputs add(FrameGraph& graph, const FrameInfo& frame, const CloudParams& params, const Inputs& in) const;
 
  private:

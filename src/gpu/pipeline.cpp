@@ -85,6 +85,11 @@ ComputePipeline::ComputePipeline(Device& device, const ComputePipelineCreate& cr
   info.stage.module = module;
   info.stage.pName = "main";
   info.layout = layout_;
+  std::vector<VkSpecializationMapEntry> entries;
+  for (uint32_t i = 0; i < create.constants.size(); ++i) entries.push_back({i, 4 * i, 4});
+  const VkSpecializationInfo constants{static_cast<uint32_t>(entries.size()), entries.data(),
+                                       4 * create.constants.size(), create.constants.data()};
+  info.stage.pSpecializationInfo = entries.empty() ? nullptr : &constants;
   const VkResult result =
       vkCreateComputePipelines(device.handle(), device.pipeline_cache(), 1, &info, nullptr, &handle_);
   vkDestroyShaderModule(device.handle(), module, nullptr);

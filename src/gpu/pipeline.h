@@ -11,6 +11,7 @@ namespace nepho::gpu {
 struct ComputePipelineCreate {
   std::string name;
   std::span<const uint32_t> spirv;
+  std::vector<uint32_t> constants = {};  ///< values of the specialisation constants 0, 1, ...
 };
 
 /// Raster pipelines pull their vertices from buffers: there is no vertex input state. Reversed Z, depth test

@@ -14,25 +14,39 @@ constexpr float kWind_mps = 6.0f;          // a moderate breeze over the sea, th
 constexpr float kNightLight_cd_m2 = 8.0f;  // city centres seen from above (VIIRS: some 1e-7 W/cm2/sr, about that)
 }  // namespace
 
-BackgroundPass::BackgroundPass(gpu::Device& device)
-    : pipeline_(device, {.name = "background", .spirv = background_comp}) {}
+BackgroundPass::BackgroundPass(gpu::Device& device, uint32_t spectral_groups)
+    : device_(device), spectral_groups_(spectral_groups) {}
+
+const gpu::ComputePipeline& BackgroundPass::pipeline(bool surfaces, bool night) const {
+  gpu::ComputePipeline& wanted = pipelines_[(surfaces ? 2u : 0u) + (night ? 1u : 0u)];
+  if (!wanted)
+    wanted = gpu::ComputePipeline(device_, {.name = "background",
+                                            .spirv = background_comp,
+                                            .constants = {spectral_groups_, surfaces ? 1u : 0u, night ? 1u : 0u}});
+  return wanted;
+}
 
 ImageRef BackgroundPass::add(FrameGraph& graph, const FrameInfo& frame, const AtmosphereParams& params,
                              const Inputs& in) const {
   const ImageRef out = graph.create("background", {.extent = frame.extent, .format = Format::rgba32f});
+  const bool surfaces = static_cast<bool>(in.terrain.depth_m);
   const shared::BackgroundPush push{kWind_mps, in.terrain.emission ? kNightLight_cd_m2 : 0.0f,
                                     in.sun_visibility ? 1u : 0u, static_cast<float>(params.ground_albedo)};
+  const ImageRef unused = in.atmosphere.transmittance;  // bound where a frame has nothing, and not read
+  const auto or_unused = [&](ImageRef image) { return image ? image : unused; };
   auto pass = graph.pass("background");
   pass.uniform("frame", frame.buffer)
-      .sample("depth_m", in.terrain.depth_m, Sampler::nearest_clamp)
-      .sample("albedo", in.terrain.albedo, Sampler::nearest_clamp)
-      .sample("normal", in.terrain.normal, Sampler::nearest_clamp)
-      .sample("emission", in.terrain.emission ? in.terrain.emission : in.terrain.albedo, Sampler::nearest_clamp)
-      .sample("sun_visible_share", in.sun_visibility ? in.sun_visibility : in.terrain.depth_m, Sampler::nearest_clamp)
+      .sample("depth_m", or_unused(in.terrain.depth_m), Sampler::nearest_clamp)
+      .sample("albedo", or_unused(in.terrain.albedo), Sampler::nearest_clamp)
+      .sample("normal", or_unused(in.terrain.normal), Sampler::nearest_clamp)
+      .sample("emission", or_unused(in.terrain.emission ? in.terrain.emission : in.terrain.albedo),
+              Sampler::nearest_clamp)
+      .sample("sun_visible_share", or_unused(in.sun_visibility), Sampler::nearest_clamp)
       .write("background", out);
   AtmosphereTables::bind(pass, in.atmosphere);
-  pass.record([this, push, extent = frame.extent](gpu::Commands& cmd) {
-    cmd.bind(pipeline_).push(push).dispatch_threads(extent.width, extent.height);
+  NightSky::bind(pass, in.night_sky);
+  pass.record([this, push, surfaces, night = in.night, extent = frame.extent](gpu::Commands& cmd) {
+    cmd.bind(pipeline(surfaces, night)).push(push).dispatch_threads(extent.width, extent.height);
   });
   return out;
 }

@@ -8,6 +8,7 @@
 #include "astro/sky_bodies.h"
 #include "atmosphere/atmosphere_tables.h"
 #include "atmosphere/luminance.h"
+#include "atmosphere/sky_view.h"
 #include "base/error.h"
 #include "clouds/cloud_march_pass.h"
 #include "render/background_pass.h"
@@ -23,6 +24,9 @@ namespace nepho {
 namespace {
 using Clock = std::chrono::steady_clock;
 
+/// Time that a frame gives to tables of changed parameters, about.
+constexpr double kAtmosphereSlice_ms = 5.0;
+
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
@@ -35,10 +39,12 @@ std::vector<float> floats_from_half(const std::vector<uint16_t>& halves) {
 }  // namespace
 
 struct Renderer::Parts {
-  Parts(gpu::Device& device, TerrainSources sources, const Scene& scene, RenderTimings& timings)
+  Parts(gpu::Device& device, TerrainSources sources, const SkySources& sky_sources, const Scene& scene,
+        RenderTimings& timings)
       : executor(device),
         terrain(device, std::move(sources), scene.terrain),
-        background(device),
+        night_sky(device, sky_sources),
+        background(device, static_cast<uint32_t>(spectral_groups(scene.atmosphere))),
         composite(device),
         exposure(device) {
     auto start = Clock::now();
@@ -46,14 +52,15 @@ struct Renderer::Parts {
     timings.atmosphere_ms = ms_since(start);
     timings.atmosphere_cached = atmosphere->came_from_cache();
     start = Clock::now();
-    if (!draws_nothing(scene.clouds)) clouds = std::make_unique<Clouds>(device, scene.clouds);
+    if (!draws_nothing(scene.clouds))
+      clouds = std::make_unique<Clouds>(device, scene.clouds, atmosphere->spectral_groups());
     timings.clouds_ms = ms_since(start);
   }
 
   /// Absent under a clear sky, which then costs nothing.
   struct Clouds {
-    Clouds(gpu::Device& device, const CloudParams& params)
-        : noise(device), weather(device), march(device), shadow(device) {
+    Clouds(gpu::Device& device, const CloudParams& params, uint32_t spectral_groups)
+        : noise(device), weather(device), march(device, spectral_groups), shadow(device) {
       weather.update({.coverage = params.coverage, .contrast = params.weather_contrast, .seed = params.weather_seed});
     }
     CloudNoise noise;
@@ -64,11 +71,14 @@ struct Renderer::Parts {
 
   gpu::GraphExecutor executor;
   Terrain terrain;
+  NightSky night_sky;
   std::unique_ptr<AtmosphereTables> atmosphere;
+  std::unique_ptr<AtmosphereTables> next_atmosphere;  ///< being computed, see Renderer::set_atmosphere
   std::unique_ptr<Clouds> clouds;
   BackgroundPass background;
   CompositePass composite;
   ExposurePasses exposure;
+  SkyBodies sky;
   FrameLight light;
   double time_s = 0.0;
   CameraPose pose;
@@ -76,25 +86,35 @@ struct Renderer::Parts {
 
 namespace {
 
+/// The sky views of a frame, one per light; none above the air.
+std::vector<shared::SkyView> sky_views_of(const shared::AtmosphereUniform& air, const shared::FrameConstants& frame) {
+  std::vector<shared::SkyView> views;
+  if (shared::scaled_height_from_f(frame.planet, frame.planet.camera_f_m2) > air.top_m) return views;
+  const int count = static_cast<int>(frame.light_count);
+  for (int i = 0; i < count; ++i)
+    views.push_back(
+        make_sky_view(air, frame.planet, frame.camera_up, i == 0 ? frame.sun_dir : frame.moon_dir, i, count));
+  return views;
+}
+
 /// References to what a frame leaves behind.
 struct FrameOutputs {
   Terrain::Outputs terrain;
+  NightSky::Refs night_sky;
   ImageRef background, radiance, cloud, cloud_info;
   ExposurePasses::Outputs exposure;
 };
 
 }  // namespace
 
-Renderer::Renderer(gpu::Device& device, TerrainSources sources, const Scene& scene) : scene_(scene), device_(device) {
+Renderer::Renderer(gpu::Device& device, TerrainSources sources, const Scene& scene, const SkySources& sky)
+    : scene_(scene), device_(device) {
   const auto start = Clock::now();
-  parts_ = std::make_unique<Parts>(device, std::move(sources), scene, timings_);
+  parts_ = std::make_unique<Parts>(device, std::move(sources), sky, scene, timings_);
   const UtcInstant utc = parse_utc(scene.time);
-  const SunState sun = sky_bodies_at(utc).sun;
   parts_->time_s = utc.seconds_since_2000();
-  parts_->light = {.sun_dir_ecef = sun.dir_ecef,
-                   .sun_angular_radius_rad = sun.angular_radius_rad,
-                   .sun_distance_au = sun.distance_au,
-                   .sun_illuminance_at_1au = sun_illuminance_at_1au(scene.atmosphere)};
+  parts_->sky = sky_bodies_at(utc);
+  parts_->light = FrameLight::from(parts_->sky, sun_illuminance_at_1au(scene.atmosphere), scene.night_sky.moon);
   parts_->pose = resolve_camera(scene.camera, [this](double lat_rad, double lon_rad) {
     return parts_->terrain.ground_height_m(lat_rad, lon_rad);
   });
@@ -102,6 +122,26 @@ Renderer::Renderer(gpu::Device& device, TerrainSources sources, const Scene& sce
 }
 
 Renderer::~Renderer() = default;
+
+void Renderer::set_atmosphere(const AtmosphereParams& params) {
+  if (spectral_groups(params) != spectral_groups(scene_.atmosphere))
+    throw fail(ErrorKind::usage, "atmosphere.spectral: '{}' cannot follow '{}' in one renderer; make another",
+               params.spectral, scene_.atmosphere.spectral);
+  parts_->next_atmosphere = std::make_unique<AtmosphereTables>(device_, params, AtmosphereTables::Start::sliced);
+}
+
+double Renderer::atmosphere_progress() const {
+  return parts_->next_atmosphere ? parts_->next_atmosphere->progress() : 1.0;
+}
+
+/// Some of the work on the next air, if there is any.
+void Renderer::advance_atmosphere() {
+  std::unique_ptr<AtmosphereTables>& next = parts_->next_atmosphere;
+  if (!next || !next->advance(kAtmosphereSlice_ms)) return;
+  parts_->atmosphere = std::move(next);
+  scene_.atmosphere = parts_->atmosphere->params();
+  parts_->light = FrameLight::from(parts_->sky, sun_illuminance_at_1au(scene_.atmosphere), scene_.night_sky.moon);
+}
 
 CameraPose Renderer::pose() const { return parts_->pose; }
 
@@ -117,6 +157,7 @@ RenderResult Renderer::render(const RenderRequest& request) {
   result.pose = p.pose;
   timings_.frame_ms = timings_.readback_ms = timings_.terrain_ms = 0.0;
 
+  advance_atmosphere();
   for (uint32_t i = 0; i < frames; ++i) {
     FrameGraph graph;
     FrameInfo frame;
@@ -124,6 +165,8 @@ RenderResult Renderer::render(const RenderRequest& request) {
     frame.camera_ecef_m = p.pose.ecef_m;
     frame.time_s = p.time_s;
     frame.constants = make_frame_constants(p.pose, extent, p.light, p.time_s, i, scene_.render.seed, frame_jitter(i));
+    frame.constants.night_illuminance =
+        shared::night_sky_illuminance(static_cast<float>(scene_.night_sky.airglow_cd_m2), scene_.night_sky.stars);
     frame.buffer = graph.constants("frame", frame.constants);
 
     auto start = Clock::now();
@@ -132,13 +175,22 @@ RenderResult Renderer::render(const RenderRequest& request) {
 
     start = Clock::now();
     FrameOutputs out;
-    const AtmosphereTables::Refs atmosphere = p.atmosphere->import(graph, frame);
-    out.terrain = p.terrain.add(graph, frame);
-    BackgroundPass::Inputs background{.terrain = out.terrain, .atmosphere = atmosphere, .sun_visibility = {}};
+    const std::vector<shared::SkyView> views = sky_views_of(p.atmosphere->uniform(), frame.constants);
+    const AtmosphereTables::Refs atmosphere = p.atmosphere->add(graph, views);
+    out.night_sky = p.night_sky.add(graph, frame, scene_.night_sky, p.sky);
+    // Where there is nothing but sky, the surface's images are made for the output layers and the clouds only.
+    const bool sky_only = p.terrain.selected().empty() && !views.empty();
+    if (!sky_only || request.layers || p.clouds) out.terrain = p.terrain.add(graph, frame);
+    BackgroundPass::Inputs background{.terrain = sky_only ? Terrain::Outputs{} : out.terrain,
+                                      .atmosphere = atmosphere,
+                                      .night_sky = out.night_sky,
+                                      .night = views.empty() || frame.constants.light_count > 1 ||
+                                               NightSky::draws_stars(frame.constants, scene_.night_sky),
+                                      .sun_visibility = {}};
     CloudDensityRefs density;
     if (p.clouds) {
       density = import_cloud_density(graph, frame, scene_.clouds, p.clouds->noise, p.clouds->weather);
-      background.sun_visibility = p.clouds->shadow.add(graph, frame, out.terrain.depth_m, density);
+      if (!sky_only) background.sun_visibility = p.clouds->shadow.add(graph, frame, out.terrain.depth_m, density);
     }
     out.background = p.background.add(graph, frame, scene_.atmosphere, background);
     out.radiance = out.background;
@@ -151,7 +203,7 @@ RenderResult Renderer::render(const RenderRequest& request) {
     }
     const bool last = i + 1 == frames;
     if (request.display && frames == 1) {
-      out.exposure = p.exposure.add(graph, out.radiance, scene_.render);
+      out.exposure = p.exposure.add(graph, out.radiance, scene_.render, request.frame_interval_s);
       graph.keep(out.exposure.display);
       graph.keep(out.exposure.state);
     }
@@ -200,7 +252,7 @@ RenderResult Renderer::render(const RenderRequest& request) {
         const gpu::Image image = device_.create_image({.name = "mean", .extent = extent, .format = Format::rgba32f});
         const gpu::ImageUpload upload{&image, std::as_bytes(std::span(readback.radiance))};
         device_.upload({&upload, 1});
-        out.exposure = p.exposure.add(tone, tone.import(image), scene_.render);
+        out.exposure = p.exposure.add(tone, tone.import(image), scene_.render, request.frame_interval_s);
         tone.keep(out.exposure.display);
         tone.keep(out.exposure.state);
         p.executor.run(tone);

@@ -7,6 +7,7 @@
 #include "gpu/graph_executor.h"
 #include "io/image_buffer.h"
 #include "render/camera_pose.h"
+#include "render/night_sky.h"
 #include "scene/scene.h"
 #include "terrain/terrain.h"
 
@@ -29,6 +30,8 @@ struct RenderRequest {
   bool display = true;           ///< make the 8-bit picture
   bool layers = true;            ///< make the float layers
   std::set<std::string> wanted;  ///< layer names; empty: all
+  /// Scene time since the last picture, s, for the adaptation of automatic exposure; 0: a still, which does not adapt.
+  double frame_interval_s = 0.0;
 };
 
 struct RenderResult {
@@ -42,14 +45,20 @@ struct RenderResult {
 class Renderer {
  public:
   /// Throws Error for parameters out of range or when GPU memory is short.
-  Renderer(gpu::Device& device, TerrainSources sources, const Scene& scene);
+  Renderer(gpu::Device& device, TerrainSources sources, const Scene& scene, const SkySources& sky = {});
   ~Renderer();
   /// The camera of the scene, placed on the drawn ground where its height depends on it.
   CameraPose pose() const;
   RenderResult render(const RenderRequest& request);
   const RenderTimings& timings() const { return timings_; }
 
+  /// Changes the air: its tables are computed a little in every following render(), which draws the old air until they
+  /// are ready. Throws Error(usage) for parameters that make no sense.
+  void set_atmosphere(const AtmosphereParams& params);
+  double atmosphere_progress() const;  ///< 0..1; 1: nothing to do
+
  private:
+  void advance_atmosphere();
   struct Parts;
   Scene scene_;
   gpu::Device& device_;

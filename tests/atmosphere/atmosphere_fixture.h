@@ -4,53 +4,32 @@
 #include <memory>
 #include <vector>
 
-#include "atmosphere/atmosphere_probe.comp.h"
-#include "atmosphere/atmosphere_probe_shared.h"
-#include "atmosphere/atmosphere_tables.h"
+#include "atmosphere/atmosphere_probe.h"
 #include "geo/planet_view.h"
-#include "gpu/commands.h"
 #include "gpu/gpu_fixture.h"
-#include "gpu/pipeline.h"
 
 namespace nepho {
 
 /// Asks the atmosphere's lookup functions on the device. Tables stay in a cache of the build tree.
 class AtmosphereFixture : public GpuFixture {
  public:
-  using Case = shared::AtmosphereCase;
-  using Answer = shared::AtmosphereAnswer;
+  using Case = AtmosphereProbe::Case;
+  using Answer = AtmosphereProbe::Answer;
 
   std::vector<Answer> ask(const AtmosphereParams& params, uint32_t kind, const std::vector<Case>& cases) {
-    return ask(tables(params), kind, cases);
+    return probe(params).ask(kind, cases);
   }
-  std::vector<Answer> ask(const AtmosphereTables& tables, uint32_t kind, const std::vector<Case>& cases) {
-    static const gpu::ComputePipeline pipeline(device, {"atmosphere.probe", atmosphere_probe_comp});
-    struct Push {
-      uint32_t kind, count;
-    };
-    FrameGraph graph;
-    const AtmosphereTables::Refs refs = tables.import(graph, {});
-    const BufferRef in = graph.constants("cases", cases);
-    const BufferRef out = graph.create_buffer("answers", cases.size() * sizeof(Answer));
-    graph.keep(out);
-    const auto count = static_cast<uint32_t>(cases.size());
-    auto pass = graph.pass("atmosphere.probe");
-    AtmosphereTables::bind(pass, refs);
-    pass.read("cases", in).write("answers", out).record([=](gpu::Commands& cmd) {
-      cmd.bind(pipeline).push(Push{kind, count}).dispatch_threads(count);
-    });
-    executor.run(graph);
-    return executor.read<Answer>(out);
-  }
+  const AtmosphereTables& tables(const AtmosphereParams& params) { return probe(params).tables(); }
 
-  const AtmosphereTables& tables(const AtmosphereParams& params) {
-    static std::vector<std::unique_ptr<AtmosphereTables>> kept;
-    for (const auto& t : kept)
-      if (t->params() == params) return *t;
+  AtmosphereProbe& probe(const AtmosphereParams& params) {
+    static std::vector<std::unique_ptr<AtmosphereProbe>> kept;
+    for (const auto& p : kept)
+      if (p->tables().params() == params) return *p;
     ::setenv("NEPHO_CACHE", NEPHO_TEST_CACHE, 1);
-    kept.push_back(std::make_unique<AtmosphereTables>(device, params));
-    MESSAGE("tables of " << params.scattering_orders << " orders: " << kept.back()->build_ms()
-                         << " ms, from cache: " << kept.back()->came_from_cache());
+    const auto tables = std::make_shared<const AtmosphereTables>(device, params);
+    kept.push_back(std::make_unique<AtmosphereProbe>(device, tables));
+    MESSAGE("tables of " << params.scattering_orders << " orders: " << tables->build_ms()
+                         << " ms, from cache: " << tables->came_from_cache());
     return *kept.back();
   }
 };
@@ -58,6 +37,7 @@ class AtmosphereFixture : public GpuFixture {
 /// The planet of the oracles.
 inline AtmosphereParams bruneton_demo(int orders) {
   AtmosphereParams p = AtmosphereParams::bruneton_demo();
+  p.spectral = "fast";  // the oracles' own wavelengths
   p.scattering_orders = orders;
   return p;
 }
