@@ -8,6 +8,8 @@ struct DefaultEarth {
   std::string elevation;  ///< ferret-datasets: ETOPO5, 5 arcmin heights and depths above mean sea level, m
   std::string imagery;    ///< marble-qt-data: Blue Marble, 2700 x 1350, global
   std::string night;      ///< xplanet-images: city lights on black, 2048 x 1024, global
+  std::string moon;       ///< marble-qt-data: Clementine's mosaic of the moon, 2700 x 1350
+  std::string stars;      ///< marble-qt-data: Bright Star Catalogue; for read_star_catalog(), not a raster
 };
 
 /// Looks in /usr/local/share and /usr/share; touches the disk only.

@@ -1,12 +1,17 @@
 #include "render/frame_setup.h"
 
+#include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 
+#include "astro/moonlight.h"
 #include "geo/planet_view.h"
 
 namespace nepho {
 
 namespace {
+constexpr double kMoonLightsBelow_rad = rad_from_deg(-1.0), kMoonIsKeyBelow_rad = rad_from_deg(-9.0);
+constexpr double kAirTop_m = 60e3, kEarthRadius_m = 6371e3;
 constexpr float kNear_m = 0.1f;  // reversed-Z float depth keeps its relative precision whatever this is
 
 float halton(uint32_t index, uint32_t base) {
@@ -17,7 +22,41 @@ float halton(uint32_t index, uint32_t base) {
   }
   return r;
 }
+
+/// Which lights there are, and which of them casts shadows. Sun and camera are filled in already.
+void set_lights(shared::FrameConstants& c, const CameraPose& pose, const FrameLight& light) {
+  const dvec3 to_moon = light.moon_ecef_m - pose.ecef_m;
+  const double distance_m = glm::length(to_moon);
+  const dvec3 moon_dir = to_moon / distance_m;
+  c.moon_dir = vec3(moon_dir);
+  c.moon_angular_radius_rad = static_cast<float>(std::asin(std::min(kMoonRadius_m / distance_m, 1.0)));
+  c.light_count = 1;
+  c.key_dir = c.sun_dir;
+  c.key_illuminance = c.sun_illuminance;
+  if (!light.has_moon) return;
+  const double phase = std::acos(std::clamp(glm::dot(light.sun_from_moon_ecef, -moon_dir), -1.0, 1.0));
+  c.moon_share = vec3(moon_sun_illuminance_ratio(phase, distance_m, light.sun_moon_distance_au) * moonlight_color());
+  const double sun_elevation = std::asin(
+      std::clamp(glm::dot(geodetic_up_ecef(pose.at.lat_rad, pose.at.lon_rad), light.sun_dir_ecef), -1.0, 1.0));
+  const double dip = std::acos(kEarthRadius_m / (kEarthRadius_m + std::max(pose.at.height_m, 0.0)));
+  if (sun_elevation < kMoonLightsBelow_rad || pose.at.height_m > kAirTop_m) c.light_count = 2;
+  if (sun_elevation < kMoonIsKeyBelow_rad - dip) {
+    c.key_dir = c.moon_dir;
+    c.key_illuminance = c.moon_share * c.sun_illuminance_1au;
+  }
+}
 }  // namespace
+
+FrameLight FrameLight::from(const SkyBodies& sky, const vec3& sun_illuminance_at_1au, bool has_moon) {
+  return {.sun_dir_ecef = sky.sun.dir_ecef,
+          .sun_angular_radius_rad = sky.sun.angular_radius_rad,
+          .sun_distance_au = sky.sun.distance_au,
+          .sun_illuminance_at_1au = sun_illuminance_at_1au,
+          .has_moon = has_moon,
+          .moon_ecef_m = sky.moon.dir_ecef * sky.moon.distance_m,
+          .sun_from_moon_ecef = sky.moon.sun_from_moon_ecef,
+          .sun_moon_distance_au = sky.moon.sun_distance_au};
+}
 
 glm::vec2 frame_jitter(uint32_t frame_index) {
   if (frame_index == 0) return glm::vec2(0.0f);
@@ -42,6 +81,8 @@ shared::FrameConstants make_frame_constants(const CameraPose& pose, Extent2D ext
   c.sun_angular_radius_rad = static_cast<float>(light.sun_angular_radius_rad);
   c.sun_distance_factor = static_cast<float>(1.0 / (light.sun_distance_au * light.sun_distance_au));
   c.sun_illuminance = light.sun_illuminance_at_1au * c.sun_distance_factor;
+  c.sun_illuminance_1au = light.sun_illuminance_at_1au;
+  set_lights(c, pose, light);
   c.size = glm::uvec2(extent.width, extent.height);
   c.jitter_px = jitter_px;
   c.near_m = kNear_m;
