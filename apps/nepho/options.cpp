@@ -1,6 +1,7 @@
 #include "nepho/options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 
 #include "base/error.h"
@@ -62,7 +63,8 @@ std::string option_of(const std::string& path) {
 }
 
 std::string help_of(const Flag& flag) {
-  const Field field = parameter_field(flag.path);
+  Field field = parameter_field(flag.path);
+  field.doc.erase(std::min(field.doc.find("; null:"), field.doc.size()));  // what JSON has for "not given"
   if (!field.choices.empty()) return fmt::format("{}: {}", field.doc, fmt::join(field.choices, ", "));
   if (field.text == TextKind::utc) return field.doc;
   return fmt::format("{} ({})", field.doc, field.range.text(field.unit));

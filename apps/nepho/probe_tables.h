@@ -80,5 +80,6 @@ struct ProbeKind {
 /// The kinds of one subject; probe.cpp lists the subjects.
 std::vector<ProbeKind> geo_probe_kinds();
 std::vector<ProbeKind> astro_probe_kinds();
+std::vector<ProbeKind> atmosphere_probe_kinds();
 
 }  // namespace nepho

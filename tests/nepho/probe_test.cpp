@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <glm/geometric.hpp>
 #include <map>
 #include <sstream>
 
@@ -133,6 +134,33 @@ TEST_CASE("the ephemeris probe reproduces its table at 5 and 20 arc seconds") {
   });
 }
 
+TEST_CASE(
+    "from the time alone the sun is within 5, the moon within 20 arc seconds before 2026, its lit share within 1e-3") {
+  const auto expected = rows_of(oracle_text("ephemeris"));
+  std::string times = "id,utc\n";
+  for (const Row& row : expected) times += row.at("id") + ',' + row.at("utc") + '\n';
+  const auto actual = rows_of(probe("ephemeris", times));
+  REQUIRE(actual.size() == expected.size());
+  const auto direction = [](const Row& row, const std::string& body) {
+    return glm::dvec3(number(row.at(body + "_x")), number(row.at(body + "_y")), number(row.at(body + "_z")));
+  };
+  int early = 0;
+  for (size_t r = 0; r < actual.size(); ++r) {
+    CAPTURE(expected[r].at("utc"));
+    CHECK(std::abs(number(actual[r].at("moon_illuminated_fraction")) -
+                   number(expected[r].at("moon_illuminated_fraction"))) < 1e-3);
+    if (expected[r].at("utc") >= "2026") continue;
+    ++early;
+    const auto apart_arcsec = [&](const std::string& body) {
+      const glm::dvec3 a = direction(actual[r], body), b = direction(expected[r], body);
+      return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 206264.806;
+    };
+    CHECK(apart_arcsec("sun") < 5.0);
+    CHECK(apart_arcsec("moon") < 20.0);
+  }
+  CHECK(early > 100);
+}
+
 TEST_CASE("columns are found by name in any order, others are dropped, inputs come back as they were") {
   CHECK(probe("geodetic_ecef", "height_m,remark,lon_deg,id,lat_deg\n0,x,00.0,\"a,\"\"b\",+0\n") ==
         "id,lat_deg,lon_deg,height_m,x_m,y_m,z_m\n\"a,\"\"b\",+0,00.0,0,6378137,0,0\n");
@@ -214,7 +242,8 @@ TEST_CASE("an unknown kind is a usage error that names the nearest and all known
   CHECK(e.kind() == ErrorKind::usage);
   CHECK(mentions(e, "did you mean 'geodetic_ecef'"));
   for (const char* kind : {"geodetic_ecef", "ecef_to_geodetic", "enu_frames", "geodesic_inverse", "geodesic_direct",
-                           "geoid_egm96", "ephemeris"})
+                           "geoid_egm96", "ephemeris", "transmittance", "single_scattering", "ground_irradiance",
+                           "sky_radiance", "sky_radiance_to_point", "sun_sky_irradiance"})
     CHECK(mentions(e, kind));
 }
 

@@ -27,6 +27,8 @@ fails_render() { fails "$1" "$2" render --size 64x36 -o picture.exr -o picture.p
 
 echo '{"clouds": {"coverage": 0.4,}}' >broken.json
 echo '{"clouds": {"covrage": 0.4}}' >unknown_key.json
+echo '{"atmosphere": {"top_height_m": 5000}}' >thin_air.json
+echo '{"time": "2200-01-01"}' >late.json
 printf 'P5 4 3 255\n123456789012' >no_georeference.pgm
 printf 'ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\nnodata_value -1\n1 2\n3 4\n' >plain.asc
 echo 'LOCAL_CS["nowhere"]' >plain.prj
@@ -57,6 +59,26 @@ fails 5 'cannot be written' render -o /nonexistent/picture.png
 mkdir folder.png
 fails 5 'is a folder' render -o folder.png
 fails 2 'no_such_kind' probe no_such_kind
+fails 2 "did you mean 'bruneton-demo'" probe transmittance --atmosphere brunton-demo
+fails_render 2 'more than gas alone' --visibility 1e6
+fails_render 3 'the air is too thin' thin_air.json
+fails_render 3 'is outside 1900..2100' late.json
+
+# probe_fails STATUS TABLE "text": the same with a table on standard input
+probe_fails() {
+  local status=0
+  printf '%b' "$2" | "$nepho" probe transmittance "${@:4}" >out 2>err || status=$?
+  if [[ $status == "$1" && $(wc -l <err) == 1 && $(<err) == *"$3"* && ! -s out ]]; then
+    echo "ok: $1: $(<err)"
+  else
+    echo "FAILED: nepho probe transmittance ${*:4}: status $status, not $1 with '$3'; standard error:"
+    cat err
+    failures=$((failures + 1))
+  fi
+}
+probe_fails 3 'r_m,mu\n6378137,2\n' "line 2, column 'mu'" --device no-such-device
+probe_fails 4 'r_m,mu\n6378137,1\n' 'no-such-device' --device no-such-device
+VK_ICD_FILENAMES=/nonexistent VK_DRIVER_FILES=/nonexistent probe_fails 4 'r_m,mu\n6378137,1\n' 'Vulkan'
 
 "$nepho" info --json >out 2>err
 if ! grep -q '"geostationary"' out || [[ -s err ]]; then
