@@ -54,6 +54,18 @@ TerrainSources open_sources(const RasterOpener& opener, const Scene& scene) {
   return sources;
 }
 
+SkySources open_sky(const RasterOpener& opener, const Scene& scene) {
+  SkySources sources;
+  const DefaultEarth earth = find_default_earth();
+  if ((scene.night_sky.moon && earth.moon.empty()) || (scene.night_sky.stars && earth.stars.empty()))
+    log_warning(
+        "marble-qt-data is not installed: the moon is plain grey and there are no stars; install it with apt-get "
+        "install --no-install-recommends marble-qt-data");
+  if (scene.night_sky.moon && !earth.moon.empty()) sources.moon_texture = opener.open_imagery(earth.moon);
+  if (scene.night_sky.stars && !earth.stars.empty()) sources.stars = read_star_catalog(earth.stars);
+  return sources;
+}
+
 ExrAttributes make_attributes(const Scene& scene, const CameraPose& pose, double ev100) {
   ExrAttributes a;
   a.longitude_deg = static_cast<float>(pose.at.lon_deg());
@@ -109,8 +121,9 @@ void render_scene(const Scene& scene, const RenderOutputs& outputs) {
   const auto start = Clock::now();
   const std::unique_ptr<RasterOpener> opener = make_gdal_opener();
   TerrainSources sources = open_sources(*opener, scene);  // bad files are told before a device is asked for
+  const SkySources sky = open_sky(*opener, scene);
   gpu::Device device({.device = outputs.device, .validation = outputs.validation});
-  Renderer renderer(device, std::move(sources), scene);
+  Renderer renderer(device, std::move(sources), scene, sky);
   const double startup_ms = ms_since(start);
 
   RenderRequest request;
