@@ -98,6 +98,13 @@ Commands& Commands::dispatch_threads(uint32_t x, uint32_t y, uint32_t z) {
   return *this;
 }
 
+Commands& Commands::dispatch_indirect() {
+  NEPHO_ASSERT(pipeline_ != nullptr);
+  if (!indirect_) throw fail(ErrorKind::failure, "pass {}: declares no indirect buffer", pass_->name);
+  vkCmdDispatchIndirect(cmd_, indirect_->handle(), 0);
+  return *this;
+}
+
 Commands& Commands::draw_indexed(uint32_t index_count, uint32_t first_index, uint32_t instance_count,
                                  uint32_t first_instance) {
   vkCmdDrawIndexed(cmd_, index_count, instance_count, first_index, 0, first_instance);
@@ -107,6 +114,15 @@ Commands& Commands::draw_indexed(uint32_t index_count, uint32_t first_index, uin
 Commands& Commands::draw(uint32_t vertex_count, uint32_t instance_count) {
   vkCmdDraw(cmd_, vertex_count, instance_count, 0, 0);
   return *this;
+}
+
+Commands& Commands::zero(const std::string& name) {
+  for (const Bound& b : bound_)
+    if (b.use->binding == name && b.use->access == Access::transfer_target && b.buffer) {
+      vkCmdFillBuffer(cmd_, b.buffer->handle(), 0, VK_WHOLE_SIZE, 0);
+      return *this;
+    }
+  throw fail(ErrorKind::failure, "pass {}: no buffer '{}' is declared to be zeroed", pass_->name, name);
 }
 
 Commands& Commands::barrier() {

@@ -21,9 +21,13 @@ class Commands {
   Commands& push_bytes(const void* data, size_t size_bytes);
   /// Threads, not groups: divided by the workgroup size that the SPIR-V states.
   Commands& dispatch_threads(uint32_t x, uint32_t y = 1, uint32_t z = 1);
+  /// As many groups as the pass's `indirect` buffer says: three uint at its start.
+  Commands& dispatch_indirect();
   Commands& draw_indexed(uint32_t index_count, uint32_t first_index = 0, uint32_t instance_count = 1,
                          uint32_t first_instance = 0);
   Commands& draw(uint32_t vertex_count, uint32_t instance_count = 1);
+  /// Fills a buffer that the pass declares with PassBuilder::zero().
+  Commands& zero(const std::string& name);
   /// Makes writes of earlier dispatches of this same pass visible to later ones.
   Commands& barrier();
   VkCommandBuffer handle() const { return cmd_; }
@@ -39,6 +43,7 @@ class Commands {
   VkCommandBuffer cmd_ = VK_NULL_HANDLE;
   const GraphPass* pass_ = nullptr;
   std::vector<Bound> bound_;
+  const Buffer* indirect_ = nullptr;
   std::map<std::string, uint32_t> mips_;
   const Pipeline* pipeline_ = nullptr;
 };

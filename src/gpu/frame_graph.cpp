@@ -93,6 +93,10 @@ Builder& Builder::write(const std::string& binding, BufferRef buffer) {
 Builder& Builder::read_write(const std::string& binding, BufferRef buffer) {
   return use({.resource = buffer.index, .access = Access::storage_read_write, .binding = binding});
 }
+Builder& Builder::zero(const std::string& name, BufferRef buffer) {
+  return use({.resource = buffer.index, .access = Access::transfer_target, .binding = name});
+}
+Builder& Builder::indirect(BufferRef buffer) { return use({.resource = buffer.index, .access = Access::indirect}); }
 Builder& Builder::index_buffer(BufferRef buffer) {
   return use({.resource = buffer.index, .access = Access::index_buffer});
 }

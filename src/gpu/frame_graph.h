@@ -38,6 +38,7 @@ enum class Access {
   color_attachment,
   depth_attachment,
   index_buffer,
+  indirect,
   transfer_source,
   transfer_target,
 };
@@ -93,7 +94,9 @@ class FrameGraph {
     PassBuilder& read(const std::string& binding, BufferRef buffer);  ///< storage buffer
     PassBuilder& write(const std::string& binding, BufferRef buffer);
     PassBuilder& read_write(const std::string& binding, BufferRef buffer);
+    PassBuilder& zero(const std::string& name, BufferRef buffer);  ///< for Commands::zero(name)
     PassBuilder& index_buffer(BufferRef buffer);
+    PassBuilder& indirect(BufferRef buffer);  ///< holds group counts, see Commands::dispatch_indirect
     /// Attachments in order; cleared first. The pass becomes a raster pass.
     PassBuilder& color(ImageRef image, float r = 0, float g = 0, float b = 0, float a = 0);
     PassBuilder& depth(ImageRef image, float clear = 0.0f);

@@ -47,11 +47,13 @@ ResourceState state_of(const GraphUse& use, bool is_image, bool /*is_depth*/, bo
               VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL};
     case Access::index_buffer:
       return {VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT, VK_ACCESS_2_INDEX_READ_BIT, VK_IMAGE_LAYOUT_UNDEFINED};
+    case Access::indirect:
+      return {VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT, VK_IMAGE_LAYOUT_UNDEFINED};
     case Access::transfer_source:
       return {VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_READ_BIT,
               layout(VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL)};
     case Access::transfer_target:
-      return {VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+      return {VK_PIPELINE_STAGE_2_COPY_BIT | VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
               layout(VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL)};
   }
   return {};

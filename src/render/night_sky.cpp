@@ -8,7 +8,6 @@
 
 #include "astro/moonlight.h"
 #include "gpu/commands.h"
-#include "render/star_clear.comp.h"
 #include "render/star_splat.comp.h"
 
 namespace nepho {
@@ -71,9 +70,7 @@ double mean_over_moon_disc(const MoonMap& map, const dmat3& moon_from_ecef, cons
 }
 
 NightSky::NightSky(gpu::Device& device, const SkySources& sources)
-    : device_(device),
-      clear_(device, {.name = "stars.clear", .spirv = star_clear_comp}),
-      splat_(device, {.name = "stars.splat", .spirv = star_splat_comp}) {
+    : device_(device), splat_(device, {.name = "stars.splat", .spirv = star_splat_comp}) {
   load_moon(sources.moon_texture ? read_moon_map(*sources.moon_texture, kMoonMapWidth) : MoonMap{});
   load_stars(sources.stars);
 }
@@ -173,8 +170,8 @@ NightSky::Refs NightSky::add(FrameGraph& graph, const FrameInfo& frame, const Ni
   }
   const uint32_t numbers = 3 * frame.extent.width * frame.extent.height;
   refs.star_pixels = graph.create_buffer("stars.pixels", uint64_t{numbers} * sizeof(uint32_t));
-  graph.pass("stars.clear").write("star_pixels", refs.star_pixels).record([this, numbers](gpu::Commands& cmd) {
-    cmd.bind(clear_).dispatch_threads(numbers);
+  graph.pass("stars.clear").zero("star_pixels", refs.star_pixels).record([](gpu::Commands& cmd) {
+    cmd.zero("star_pixels");
   });
   const shared::StarSplatPush push{glm::mat3(sky.ecef_from_icrs), star_count_, units_per_lux_};
   graph.pass("stars.splat")

@@ -48,7 +48,7 @@ class NightSky {
   void load_stars(const std::vector<Star>& stars);
 
   gpu::Device& device_;
-  gpu::ComputePipeline clear_, splat_;
+  gpu::ComputePipeline splat_;
   gpu::Image moon_map_;
   MoonMap moon_coarse_;  ///< for means over the disc
   gpu::Buffer stars_, no_star_pixels_;
