@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Histogram of log2 luminance. Integer counts: the order of the adds does not matter, so equal pictures count alike.
+// Histogram of log2 luminance, of every stride-th pixel in both directions. Integer counts: the order of the adds does not
+// matter, so equal pictures count alike.
 #include "common/tonemap.h"
 #include "render/render_shared.h"
 layout(local_size_x = 16, local_size_y = 16) in;
@@ -11,10 +12,11 @@ shared uint local_bins[kHistogramBins];
 void main() {
   local_bins[gl_LocalInvocationIndex] = 0u;
   barrier();
-  uvec2 pixel = gl_GlobalInvocationID.xy;
+  uvec2 pixel = gl_GlobalInvocationID.xy * push.stride + push.stride / 2u;
   if (all(lessThan(pixel, push.size))) {
     float l = luminance(texelFetch(radiance, ivec2(pixel), 0).rgb);
-    if (l > exp2(kHistogramMinLog2)) {  // black space does not count
+    // Black space does not count, nor does the sun's disc: no surface in its light is as bright.
+    if (l > exp2(kHistogramMinLog2) && l < kMeterMaxLuminance) {
       float x = (log2(l) - kHistogramMinLog2) / (kHistogramMaxLog2 - kHistogramMinLog2);
       atomicAdd(local_bins[uint(clamp(x, 0.0, 0.999999) * float(kHistogramBins))], 1u);
     }

@@ -2,34 +2,64 @@
 #extension GL_GOOGLE_include_directive : require
 // EV100 from the histogram, or the value that is asked for. Half way (in stops) between two meters: one that makes the
 // log-average (10th to 98th percentile) middle grey, 0.18; and one that puts the 99th percentile at 0.9 of saturation. The
-// first alone turns a sea of clouds grey, the second a forest black.
+// first alone turns a sea of clouds grey, the second a forest black. Then darker by night, and slowly (docs/exposure.md).
 #include "common/tonemap.h"
 #include "render/render_shared.h"
-layout(local_size_x = 1) in;
-layout(set = 0, binding = 0, scalar) buffer HistogramBlock { uint bins[]; } histogram;
-layout(set = 0, binding = 1, scalar) buffer StateBlock { ExposureState state; } exposure;
+layout(local_size_x = 256) in;
+layout(set = 0, binding = 0, scalar) readonly buffer HistogramBlock { uint bins[]; } histogram;
+layout(set = 0, binding = 1, scalar) writeonly buffer StateBlock { ExposureState state; } exposure;
+layout(set = 0, binding = 2, scalar) buffer AdaptedBlock { ExposureState state; } adapted;  // of the frame before
 layout(push_constant, scalar) uniform PushBlock { ExposurePush push; };
+shared float local_bins[kHistogramBins];
+
+const float kBinLog2 = (kHistogramMaxLog2 - kHistogramMinLog2) / float(kHistogramBins);
+
+// Counted values from bin `first` on, and the log2 luminance below which 99 % of them lie.
+float count_from(uint first, out float bright_log2) {
+  float total = 0.0;
+  for (uint i = first; i < kHistogramBins; ++i) total += local_bins[i];
+  float above = 0.0;
+  bright_log2 = kHistogramMinLog2;
+  for (uint i = kHistogramBins; i > first; --i) {
+    float n = local_bins[i - 1u];
+    if (above < 0.01 * total) bright_log2 = kHistogramMinLog2 + kBinLog2 * (float(i) - min((0.01 * total - above) / max(n, 1.0), 1.0));
+    above += n;
+  }
+  return total;
+}
+
+float metered_ev100() {
+  float bright_log2;
+  if (count_from(0u, bright_log2) == 0.0) return push.min_ev100;
+  // A millionth of the brightest is black too: space with its stars beside the sunlit Earth.
+  uint first = uint(max((bright_log2 - 20.0 - kHistogramMinLog2) / kBinLog2, 0.0));
+  float total = count_from(first, bright_log2);
+  float low = 0.10 * total, high = 0.98 * total;
+  float seen = 0.0, sum = 0.0;
+  for (uint i = first; i < kHistogramBins; ++i) {
+    float n = local_bins[i];
+    float inside = max(min(seen + n, high) - max(seen, low), 0.0);
+    sum += inside * (kHistogramMinLog2 + (float(i) + 0.5) * kBinLog2);
+    seen += n;
+  }
+  float grey_ev100 = ev100_that_shows(exp2(sum / (high - low)), 0.18);
+  float bright_ev100 = ev100_that_shows(exp2(bright_log2), 0.9);
+  float ev100 = 0.5 * (grey_ev100 + bright_ev100);
+  float metered = 0.18 / exposure_from_ev100(ev100);  // the luminance that would be middle grey
+  return clamp(ev100 + night_darkening_ev(metered) - push.compensation_ev, push.min_ev100, push.max_ev100);
+}
+
 void main() {
+  local_bins[gl_LocalInvocationIndex] = float(histogram.bins[gl_LocalInvocationIndex]);
+  barrier();
+  if (gl_LocalInvocationIndex != 0u) return;
   float ev100 = push.fixed_ev100;
   if (push.automatic != 0u) {
-    float total = 0.0;
-    for (uint i = 0u; i < kHistogramBins; ++i) total += float(histogram.bins[i]);
-    float low = 0.10 * total, high = 0.98 * total, bright = 0.99 * total;
-    float seen = 0.0, weight = 0.0, sum = 0.0, bright_log2 = 0.0;
-    for (uint i = 0u; i < kHistogramBins; ++i) {
-      float n = float(histogram.bins[i]);
-      float inside = max(min(seen + n, high) - max(seen, low), 0.0);
-      float centre = kHistogramMinLog2 + (float(i) + 0.5) / float(kHistogramBins) * (kHistogramMaxLog2 - kHistogramMinLog2);
-      sum += inside * centre;
-      weight += inside;
-      if (seen <= bright && n > 0.0) bright_log2 = centre;
-      seen += n;
-    }
-    float average = weight > 0.0 ? exp2(sum / weight) : 1.0;
-    float grey_ev100 = log2(average / (0.18 * 1.2));
-    float bright_ev100 = bright_log2 - log2(0.9 * 1.2);
-    ev100 = clamp(0.5 * (grey_ev100 + bright_ev100), push.min_ev100, push.max_ev100);
+    // Zero before the first frame, which has nothing to come from.
+    float keep = adapted.state.exposure > 0.0 ? push.keep_share : 0.0;
+    ev100 = mix(metered_ev100(), adapted.state.ev100, keep);
   }
-  exposure.state.ev100 = ev100;
-  exposure.state.exposure = exposure_from_ev100(ev100);
+  ExposureState state = ExposureState(ev100, exposure_from_ev100(ev100));
+  exposure.state = state;
+  adapted.state = state;
 }

@@ -4,8 +4,9 @@
 SHARED_BEGIN
 
 SHARED_CONST uint kHistogramBins = 256u;
-SHARED_CONST float kHistogramMinLog2 = -24.0f;  // log2 cd/m2
+SHARED_CONST float kHistogramMinLog2 = -24.0f;     // log2 cd/m2: 6e-8, far below the ground under a moonless sky (1e-6)
 SHARED_CONST float kHistogramMaxLog2 = 31.0f;
+SHARED_CONST float kMeterMaxLuminance = 2.0e6f;    // cd/m2: brighter pixels, the sun's disc, are not metered
 
 struct BackgroundPush {
   float wind_mps;               // over water, for its roughness
@@ -16,16 +17,18 @@ struct BackgroundPush {
 
 struct ExposurePush {
   uvec2 size;
-  float fixed_ev100;            // used when automatic == 0
+  uint stride;                  // of the metered pixels
   uint automatic;
+  float fixed_ev100;            // used when automatic == 0
   float min_ev100;
   float max_ev100;
+  float compensation_ev;        // brighter by this many stops
+  float keep_share;             // 0..1: of the last frame's EV100; 0 jumps to the metered value
 };
 
 struct TonemapPush {
   uvec2 size;
-  uint curve;                   // kTone... of common/tonemap.h
-  uint seed;                    // of the dither
+  uint dither_offset;           // shifts the pattern of the dither
   mat3 white_balance;           // linear Rec. 709 to itself: the chosen daylight becomes white
 };
 
