@@ -30,15 +30,15 @@ using Table = std::vector<std::pair<std::string, std::string>>;
 /// Data that the program uses when it is there; empty paths are missing.
 Table find_data() {
   const DefaultEarth earth = find_default_earth();
-  return {{"elevation", earth.elevation}, {"imagery", earth.imagery},
-          {"night", earth.night},         {"geoid_egm96", Geoid::find_egm96().string()},
+  return {{"elevation", earth.elevation}, {"imagery", earth.imagery},     {"night", earth.night},
+          {"moon", earth.moon},           {"stars", earth.stars},         {"geoid_egm96", Geoid::find_egm96().string()},
           {"data", data_dir().string()},  {"cache", cache_dir().string()}};
 }
 
 /// The Debian package that brings a missing piece of data.
 std::string package_of(const std::string& data) {
   if (data == "elevation") return "missing: apt-get install ferret-datasets";
-  if (data == "imagery") return "missing: apt-get install marble-qt-data";
+  if (data == "imagery" || data == "moon" || data == "stars") return "missing: apt-get install marble-qt-data";
   if (data == "night") return "missing: apt-get install xplanet-images";
   if (data == "geoid_egm96") return "missing: apt-get install proj-data";
   return "none: no folder could be made; set NEPHO_CACHE";
