@@ -22,6 +22,7 @@ layout(set = 0, binding = ATMOSPHERE_BINDING + 6, scalar) readonly buffer SkyVie
 struct AirRay {
   bool in_air;    // false: never enters it
   bool outside;   // the camera is above the air
+  bool has_view;  // the camera has sky views
   float start_m;  // distance from the camera to that point, true metres
   float stretch;  // scaled metres per true metre along the ray
   float h;        // scaled height, 0..top
@@ -37,11 +38,13 @@ AirRay air_ray_geometry(PlanetView planet, inout vec3 up, vec3 dir) {
   AirRay ray;
   ray.in_air = true;
   ray.outside = false;
+  ray.has_view = false;
   ray.start_m = 0.0;
   ray.stretch = length(scaled);
   // A micrometre along the ray: a condition that depends on uniforms alone makes Mesa's software driver compile the shader
   // anew, for seconds, for each of their values (it folds them in); this one also depends on the pixel.
   ray.h = max(scaled_height_from_f(planet, planet_f(planet, 1.0e-6 * dir)), 0.0);
+  ray.has_view = ray.h <= atmosphere.air.sky_view_top_m;
   vec3 q = planet.camera_q_m;
   if (ray.h > top_m) {
     vec2 t;
@@ -72,8 +75,8 @@ vec3 path_light(AirRay ray, float length_m, float shadow_m, out vec3 columns) {
   return light.smooth_part + light.mie * phase_aerosol(atmosphere.air, ray.nu);
 }
 
-// The sky from within the air by sky view `i`. `dir` is a unit vector.
-vec3 sky_view_light(int i, vec3 dir) {
+// The sky from within the air by sky view `i`, and the transmittance to space. `dir` is a unit vector.
+vec3 sky_view_light(int i, vec3 dir, out vec3 transmittance) {
   SkyView view = sky_views.data[i];
   vec3 scaled = normalize(vec3(dir.x, dir.y, dir.z * view.a_over_b));
   float sine = clamp(dot(view.up, scaled), -1.0, 1.0);
@@ -81,21 +84,24 @@ vec3 sky_view_light(int i, vec3 dir) {
   float azimuth = acos(clamp(dot(across, view.forward) * inversesqrt(max(dot(across, across), 1.0e-12)), -1.0, 1.0));
   vec2 uv = view.uv_origin + view.uv_span * vec2(azimuth * (1.0 / kPi), sky_row_unit(view, asin(sine)));
   vec3 smooth_part = textureLod(sky_view_tex, uv, 0.0).rgb;
-  vec3 mie = textureLod(sky_view_tex, vec2(uv.x, uv.y + view.second_v), 0.0).rgb;
+  vec3 mie = textureLod(sky_view_tex, vec2(uv.x, uv.y + view.part_v), 0.0).rgb;
+  transmittance = textureLod(sky_view_tex, vec2(uv.x, uv.y + 2.0 * view.part_v), 0.0).rgb;
   return smooth_part + mie * phase_aerosol(atmosphere.air, clamp(dot(dir, view.light_dir), -1.0, 1.0));
 }
 
-// Light of the sky without discs and stars, to space or, when hits_ground, to the ellipsoid. `view` is the camera's sky view.
-vec3 sky_light(AirRay ray, vec3 dir, int view, bool hits_ground, out vec3 columns) {
-  columns = vec3(0);
+// Light of the sky without discs and stars, to space or, when hits_ground, to the ellipsoid, and the transmittance. `view` is
+// the camera's sky view.
+vec3 sky_light(AirRay ray, vec3 dir, int view, bool hits_ground, out vec3 transmittance) {
+  transmittance = vec3(1);
   vec3 light = vec3(0);
   if (!ray.in_air) return light;
-  if (ray.outside || hits_ground) {
-    float length_m = hits_ground ? distance_to_ground(atmosphere.air, ray.h, ray.mu) : distance_to_top(atmosphere.air, ray.h, ray.mu);
-    light = path_light(ray, length_m, 0.0, columns);
+  if (ray.has_view && !hits_ground) {
+    light = sky_view_light(view, dir, transmittance);
   } else {
-    light = sky_view_light(view, dir);
-    columns = sampled_columns_to_top(atmosphere.air, ray.h, ray.mu);
+    float length_m = hits_ground ? distance_to_ground(atmosphere.air, ray.h, ray.mu) : distance_to_top(atmosphere.air, ray.h, ray.mu);
+    vec3 columns;
+    light = path_light(ray, length_m, 0.0, columns);
+    transmittance = transmittance_of(columns);
   }
   return light;
 }
@@ -118,29 +124,39 @@ vec3 light_factor(FrameConstants frame, int light) {
 }
 
 // Luminance of the air in a pixel, without discs and stars, and the transmittance behind it: to space, or to the point at
-// `distance_m` true metres along `dir`. `paths` is a constant: false says that the camera is within the air and that there are
-// rays to space only, which leaves the integration out of the shader.
-vec3 air_luminance(FrameConstants frame, vec3 dir, bool to_space, float distance_m, const bool paths, out vec3 transmittance) {
+// `distance_m` true metres along `dir`.
+vec3 air_luminance(FrameConstants frame, vec3 dir, bool to_space, float distance_m, out vec3 transmittance) {
   vec3 luminance = vec3(0);
-  vec3 columns = vec3(0);
   for (int i = 0; i < int(frame.light_count); ++i) {
     AirRay ray = air_ray_from(frame.planet, frame.camera_up, light_dir(frame, i), dir);
-    bool by_view = to_space && !ray.outside;
-    vec3 light = vec3(0);
-    if (paths) {
-      float length_m = distance_to_top(atmosphere.air, ray.h, ray.mu);
-      if (!to_space) length_m = min((distance_m - ray.start_m) * ray.stretch, length_m);
-      light = path_light(ray, ray.in_air && !by_view ? max(length_m, 0.0) : 0.0, 0.0, columns);
-      if (!ray.in_air) columns = vec3(0);
-    }
-    if (by_view) {
-      light = sky_view_light(i, dir);
-      columns = sampled_columns_to_top(atmosphere.air, ray.h, ray.mu);
-    }
+    bool by_view = to_space && ray.has_view;
+    float length_m = distance_to_top(atmosphere.air, ray.h, ray.mu);
+    if (!to_space) length_m = min((distance_m - ray.start_m) * ray.stretch, length_m);
+    vec3 columns;
+    vec3 light = path_light(ray, ray.in_air && !by_view ? max(length_m, 0.0) : 0.0, 0.0, columns);
+    transmittance = transmittance_of(ray.in_air ? columns : vec3(0));
+    if (by_view) light = sky_view_light(i, dir, transmittance);
     luminance += light * light_factor(frame, i);
   }
-  transmittance = transmittance_of(columns);
   return luminance;
+}
+
+// The same for a ray to space from a camera that has sky views: three reads per light.
+vec3 sky_view_luminance(FrameConstants frame, vec3 dir, out vec3 transmittance) {
+  vec3 luminance = vec3(0);
+  for (int i = 0; i < int(frame.light_count); ++i) luminance += sky_view_light(i, dir, transmittance) * light_factor(frame, i);
+  return luminance;
+}
+
+// Transmittance of the air along the whole ray to space.
+vec3 transmittance_to_space(FrameConstants frame, vec3 dir) {
+  AtmosphereUniform air = atmosphere.air;
+  AirRay ray = air_ray_from(frame.planet, frame.camera_up, frame.sun_dir, dir);
+  if (!ray.in_air) return vec3(1);
+  if (!ray.outside) return transmittance_of(sampled_columns_to_top(air, ray.h, ray.mu));
+  // In from the top and out again: twice the columns from the lowest point.
+  float low_m = -(air.radius_m + ray.h) * ray.mu;
+  return transmittance_of(2.0 * sampled_columns_to_top(air, height_along(air, ray.h, ray.mu, low_m), 0.0));
 }
 
 // In-scattered luminance between the camera and the point at `distance_m` true metres along `dir`, and the transmittance

@@ -18,8 +18,7 @@ void main() {
   AirRay ray = air_ray_from(c.planet, c.camera_up, c.sun_dir, c.dir);
   vec3 columns = vec3(0);
   if (push.kind == kProbeSkyRadiance) {
-    answer.a = sky_light(ray, c.dir, int(c.view), c.hits_ground != 0u, columns);
-    answer.b = transmittance_of(columns);
+    answer.a = sky_light(ray, c.dir, int(c.view), c.hits_ground != 0u, answer.b);
   } else if (push.kind == kProbeRadianceToPoint) {
     answer.a = light_to_point(ray, c.distance_m, c.shadow_m, columns);
     answer.b = transmittance_of(columns);
@@ -35,7 +34,8 @@ void main() {
   } else if (push.kind == kProbeTransmittance) {
     answer.a = transmittance_of(sampled_columns_to_top(air, c.h, c.mu));
   } else if (push.kind == kProbeLuminance) {
-    answer.a = sky_light(ray, c.dir, int(c.view), c.hits_ground != 0u, columns) * air.luminance_factor;
+    vec3 transmittance;
+    answer.a = sky_light(ray, c.dir, int(c.view), c.hits_ground != 0u, transmittance) * air.luminance_factor;
     answer.b = light_to_point(ray, c.distance_m, 0.0, columns) * air.luminance_factor;
   } else if (push.kind == kProbeSunSky) {
     answer.a = atmosphere.spectrum[0].solar_irradiance * sun_transmittance(c.h, c.mu_s) * max(dot(c.dir, c.sun_dir), 0.0);

@@ -19,6 +19,7 @@ SHARED_CONST int kMirrorMu = 48;    // elevations of the sky seen from the sea
 SHARED_CONST int kIrradianceParts = 3;  // stacked in v: horizontal irradiance, mean radiance above, below
 SHARED_CONST int kSkyAzimuths = 32;     // of a sky view, sun's azimuth to the one opposite
 SHARED_CONST int kSkyRows = 128;        // horizon to zenith
+SHARED_CONST int kSkyParts = 3;         // stacked: without aerosol, single scattering by aerosol, transmittance
 SHARED_CONST int kSkyViewsWide = 64;    // sky views side by side in their image; more go below
 // The spectrum: wavelengths in threes, a vec3 each. One group is 680, 550, 440 nm.
 SHARED_CONST int kMaxSpectralGroups = 5;
@@ -61,6 +62,7 @@ struct AtmosphereUniform {
   float mie_phase_b;             // 1 Cornette-Shanks, 0 Henyey-Greenstein
   float ground_albedo;
   float mu_s_scale;              // A of the mu_s mapping, from the lowest sun
+  float sky_view_top_m;          // cameras up to this scaled height have sky views
   vec3 luminance_factor;         // from what the lookups sum to, to linear Rec. 709 in cd/m^2 (1 with the full spectrum)
   vec3 sun_illuminance;          // at 1 au on a facing plane, lux per channel
 };
@@ -177,6 +179,7 @@ SHARED_FN float mean_sun_cosine(AtmosphereUniform air, float mu_s) {
 // planet's shadow, and where the sunlight that reaches it ends (shadow_m: of clouds). In each, with s in [0, 1] from
 // its lower end, t = L (0.4 s + 0.6 s^2) and Gauss-Legendre in s: nodes gather where the air is dense, which a vertical
 // path needs, without starving a grazing one (docs/atmosphere.md compares maps and node counts).
+SHARED_CONST float kLongPath_m = 2.0e5f;
 struct PathPanels {
   vec4 cut_m;    // ascending distances from the start; those beyond the end are the end
   float low_m;   // of the lowest point
@@ -201,7 +204,10 @@ SHARED_FN PathPanels path_panels(AtmosphereUniform air, float h, float mu, float
   bool crosses = b * b > a * c;
   t0 = crosses && r * mu_s + t0 * nu < 0.0f ? clamp(t0, 0.0f, length_m) : length_m;
   t1 = crosses && r * mu_s + t1 * nu < 0.0f ? clamp(t1, 0.0f, length_m) : length_m;
-  float s0 = min(t0, t1), s1 = max(t0, t1), l0 = p.low_m > 0.0f ? p.low_m : length_m, l1 = min(sunlit_m, length_m);
+  // A long path without an end of sunlight is cut far behind its lowest point: eight nodes are few for a horizontal one.
+  float l0 = p.low_m > 0.0f ? p.low_m : length_m;
+  float l1 = min(sunlit_m < length_m ? sunlit_m : p.low_m + kLongPath_m, length_m);
+  float s0 = min(t0, t1), s1 = max(t0, t1);
   // Four numbers in order.
   float a0 = min(s0, l0), a1 = max(s0, l0), b0 = min(s1, l1), b1 = max(s1, l1);
   float m0 = max(a0, b0), m1 = min(a1, b1);
@@ -341,7 +347,7 @@ struct SkyView {
   float split;   // share of rows below the horizontal
   vec2 uv_origin;  // of its first texel's centre in the image of all views
   vec2 uv_span;    // to its last texel's centre
-  float second_v;  // from the part without aerosol to the aerosol
+  float part_v;    // from one of the three parts to the next: without aerosol, aerosol, transmittance
 };
 
 SHARED_FN float sky_view_split(float dip_rad) { return 0.45f * dip_rad / (dip_rad + 0.06f); }

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Integrates the sky seen from cameras within the air: single scattering by gas plus multiple scattering, and under it
-// single scattering by aerosol without its phase function.
+// single scattering by aerosol without its phase function, and the transmittance to space.
 #define ATMOSPHERE_BINDING 0
 #include "atmosphere/atmosphere_light.glsl"
 layout(local_size_x = 32, local_size_y = 2) in;
@@ -21,7 +21,8 @@ void main() {
   float nu = clamp(dot(dir, view.light_dir), -1.0, 1.0);
   float length_m = distance_to_top(atmosphere.air, view.h, mu);
   ScatteredLight light = scatter_along(view.h, mu, view.mu_s, nu, length_m, length_m, phase_rayleigh(nu), 1.0);
-  ivec2 to = ivec2((at.z % kSkyViewsWide) * kSkyAzimuths + at.x, (at.z / kSkyViewsWide) * 2 * kSkyRows + at.y);
+  ivec2 to = ivec2((at.z % kSkyViewsWide) * kSkyAzimuths + at.x, (at.z / kSkyViewsWide) * kSkyParts * kSkyRows + at.y);
   imageStore(out_sky_view, to, vec4(light.smooth_part, 0));
   imageStore(out_sky_view, to + ivec2(0, kSkyRows), vec4(light.mie, 0));
+  imageStore(out_sky_view, to + ivec2(0, 2 * kSkyRows), vec4(transmittance_of(light.columns), 0));
 }

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What lies behind the clouds, as the camera sees it through clear air: the lit surface, or the sky with sun, moon and stars.
+// What lies behind the clouds, as the camera sees it through clear air: the lit surface, or the sky with its stars. Sun and
+// moon come later (discs.comp).
 #include "common/frame.h"
 #include "common/water.h"
 #include "render/render_shared.h"
@@ -15,11 +16,12 @@ layout(set = 0, binding = 5) uniform sampler2D sun_visible_share;  // of the sur
 layout(set = 0, binding = 6, rgba32f) uniform writeonly image2D background;
 #define ATMOSPHERE_BINDING 8
 #include "atmosphere/atmosphere_lookup.glsl"
+#define PIXEL_TILES_BINDING 7
+#include "common/pixel_tiles.glsl"
 #define NIGHT_SKY_BINDING 16
 #include "render/night_sky.glsl"
 // Constant 0 is the number of spectral groups.
-layout(constant_id = 1) const bool kSurfaces = true;  // false: nothing but sky, seen from within the air
-layout(constant_id = 2) const bool kNight = true;     // false: by day; stars and airglow are left out
+layout(constant_id = 1) const bool kNight = true;  // false: by day; stars and airglow are left out
 layout(push_constant, scalar) uniform PushBlock { BackgroundPush push; };
 
 // What leaves the surface towards the eye.
@@ -56,28 +58,20 @@ vec3 surface_luminance(FrameConstants f, ivec2 pixel, vec3 dir, float distance, 
 }
 
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 pixel = ivec2(tile_pixel());
   FrameConstants f = frame.frame_data;
   if (any(greaterThanEqual(pixel, ivec2(f.size)))) return;
   vec3 dir = pixel_direction(f, vec2(pixel) + 0.5);
-  bool is_sky = true;
-  float distance = kFarDepth_m;
-  vec4 surface = vec4(0);
-  if (kSurfaces) {
-    distance = texelFetch(depth_m, pixel, 0).r;
-    surface = texelFetch(albedo, pixel, 0);
-    is_sky = distance >= 0.5 * kFarDepth_m || surface.a < 0.5;
-  }
+  float distance = texelFetch(depth_m, pixel, 0).r;
+  vec4 surface = texelFetch(albedo, pixel, 0);
+  bool is_sky = distance >= 0.5 * kFarDepth_m || surface.a < 0.5;
   vec3 through;
-  vec3 air = air_luminance(f, dir, is_sky, distance, kSurfaces, through);
+  vec3 air = air_luminance(f, dir, is_sky, distance, through);
   vec3 behind = vec3(0);
-  if (is_sky) {
-    behind = moon_disc_luminance(f, dir);
-    if (kNight) behind += stars_luminance(f, pixel) * (1.0 - moon_cover(f, dir));
-    behind = behind * through + sun_disc_luminance(f, dir, through);
-  } else {
+  if (!is_sky)
     behind = surface_luminance(f, pixel, dir, distance, surface) * through;
-  }
+  else if (kNight)
+    behind = stars_luminance(f, pixel) * through;
   if (kNight) behind += airglow_luminance(f, dir, !is_sky, through);
   imageStore(background, pixel, vec4(air + behind, 1.0));
 }

@@ -8,8 +8,10 @@ layout(set = 0, binding = 0, scalar) uniform FrameBlock { FrameConstants frame_d
 #include "clouds/cloud_shadow_march.glsl"
 layout(set = 0, binding = 10) uniform sampler2D depth_m;
 layout(set = 0, binding = 11, r32f) uniform writeonly image2D sun_visibility;
+#define PIXEL_TILES_BINDING 12
+#include "common/pixel_tiles.glsl"
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 pixel = ivec2(tile_pixel());
   if (any(greaterThanEqual(pixel, ivec2(frame.frame_data.size)))) return;
   float distance = texelFetch(depth_m, pixel, 0).r;
   float visible = 1.0;

@@ -15,6 +15,11 @@ struct BackgroundPush {
   float ground_albedo;          // mean albedo around, for light from below
 };
 
+struct DiscsPush {
+  ivec2 first;                  // pixels that may show a disc
+  ivec2 last;                   // and the end of them
+};
+
 struct ExposurePush {
   uvec2 size;
   uint stride;                  // of the metered pixels

@@ -16,10 +16,12 @@ layout(set = 0, binding = 7, r32f) uniform writeonly image2D out_depth_m;
 layout(set = 0, binding = 8, rgba16f) uniform writeonly image2D out_albedo;
 layout(set = 0, binding = 9, rgba16f) uniform writeonly image2D out_normal;
 layout(set = 0, binding = 10, rgba16f) uniform writeonly image2D out_emission;
+#define PIXEL_TILES_BINDING 11
+#include "common/pixel_tiles.glsl"
 
 void main() {
   FrameConstants f = frame.frame_data;
-  uvec2 pixel = gl_GlobalInvocationID.xy;
+  uvec2 pixel = tile_pixel();
   if (any(greaterThanEqual(pixel, f.size))) return;
   ivec2 at = ivec2(pixel);
   float depth = texelFetch(depth_tex, at, 0).r;

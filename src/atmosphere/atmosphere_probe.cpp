@@ -40,7 +40,7 @@ std::vector<AtmosphereProbe::Answer> AtmosphereProbe::ask(uint32_t kind, std::sp
     std::vector<size_t> places;  // the case that each view is of
     for (; i < cases.size() && batch.size() < kCasesPerBatch; ++i) {
       Case c = cases[i];
-      const bool needs_view = asks_the_sky(kind) && c.hits_ground == 0;
+      const bool needs_view = asks_the_sky(kind) && c.hits_ground == 0 && has_sky_view(tables_->uniform(), c.planet);
       if (needs_view && (places.empty() || !same_place_and_sun(cases[places.back()], c))) {
         if (places.size() == kViewsPerBatch) break;
         places.push_back(i);

@@ -9,13 +9,17 @@
 
 namespace nepho {
 
-static_assert(sizeof(shared::AtmosphereUniform) == 19 * 4);
+static_assert(sizeof(shared::AtmosphereUniform) == 20 * 4);
 static_assert(sizeof(shared::SpectralGroup) == (5 * 3 + 2 * 9 + 2 * 12) * 4);
 static_assert(sizeof(shared::AtmosphereData) ==
               sizeof(shared::AtmosphereUniform) + shared::kMaxSpectralGroups * sizeof(shared::SpectralGroup));
 static_assert(shared::kMaxSpectralGroups == kMaxSpectralGroups);
 
 namespace {
+
+/// Share of the air's height up to which a sky view resolves what a camera sees below the horizontal; higher up, rays
+/// are integrated one by one.
+constexpr double kSkyViewShare = 0.3;
 
 /// Radius of the sun's disc at 1 au, rad (Bruneton 2017).
 constexpr double kSunAngularRadius_rad = 0.00935 / 2.0;
@@ -78,6 +82,7 @@ AtmosphereConstants make_atmosphere_constants(const AtmosphereParams& params) {
                                                        : 3.0 * one_minus / (8.0 * std::numbers::pi * (2.0 + g * g)));
   u.mie_phase_b = henyey_greenstein ? 0.0f : 1.0f;
   u.ground_albedo = static_cast<float>(p.ground_albedo);
+  u.sky_view_top_m = static_cast<float>(kSkyViewShare * p.top_height_m);
   u.mu_s_scale = shared::mu_s_scale_for(u, static_cast<float>(p.min_sun_zenith_cos));
   u.luminance_factor = spectrum.groups == 1 ? glm::vec3(sky_luminance_factors()) : glm::vec3(1.0f);
   u.sun_illuminance = sun_illuminance_at_1au(p);

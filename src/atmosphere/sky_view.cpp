@@ -11,7 +11,12 @@ static_assert(sizeof(shared::SkyView) == 19 * 4);
 glm::uvec2 sky_view_extent(int count) {
   const int wide = std::min(count, shared::kSkyViewsWide);
   const int high = (count + shared::kSkyViewsWide - 1) / shared::kSkyViewsWide;
-  return {static_cast<unsigned>(wide * shared::kSkyAzimuths), static_cast<unsigned>(2 * high * shared::kSkyRows)};
+  return {static_cast<unsigned>(wide * shared::kSkyAzimuths),
+          static_cast<unsigned>(shared::kSkyParts * high * shared::kSkyRows)};
+}
+
+bool has_sky_view(const shared::AtmosphereUniform& air, const shared::PlanetView& planet) {
+  return shared::scaled_height_from_f(planet, planet.camera_f_m2) <= air.sky_view_top_m;
 }
 
 shared::SkyView make_sky_view(const shared::AtmosphereUniform& air, const shared::PlanetView& planet,
@@ -35,10 +40,10 @@ shared::SkyView make_sky_view(const shared::AtmosphereUniform& air, const shared
 
   const glm::vec2 size(sky_view_extent(count));
   const glm::vec2 first(static_cast<float>(index % shared::kSkyViewsWide * shared::kSkyAzimuths),
-                        static_cast<float>(index / shared::kSkyViewsWide * 2 * shared::kSkyRows));
+                        static_cast<float>(index / shared::kSkyViewsWide * shared::kSkyParts * shared::kSkyRows));
   view.uv_origin = (first + 0.5f) / size;
   view.uv_span = glm::vec2(shared::kSkyAzimuths - 1, shared::kSkyRows - 1) / size;
-  view.second_v = static_cast<float>(shared::kSkyRows) / size.y;
+  view.part_v = static_cast<float>(shared::kSkyRows) / size.y;
   return view;
 }
 

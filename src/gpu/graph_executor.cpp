@@ -226,6 +226,7 @@ void GraphExecutor::record_pass(Frame& frame, const CompiledPass& compiled, VkCo
     const Buffer* buffer = is_image ? nullptr : frame.buffer(slot);
     images.push_back(image);
     if (!u.binding.empty()) commands.bound_.push_back({&u, image, buffer});
+    if (u.access == Access::indirect) commands.indirect_ = buffer;
     if (u.access == Access::index_buffer) vkCmdBindIndexBuffer(cmd, buffer->handle(), 0, VK_INDEX_TYPE_UINT32);
   }
   if (pass.raster) begin_rendering(cmd, pass, images);

@@ -39,8 +39,8 @@ class GraphExecutor {
     return values;
   }
   /// Of the last run, by GPU timestamps. Software devices put theirs in when a whole batch is flushed, not when a pass
-  /// ends: there every pass is submitted by itself and timed by the clock around it (with validation too, which wants to
-  /// see whole frames, the batch's own timestamps have to do).
+  /// ends: there every pass is submitted by itself and timed by the clock around it (with validation too, which wants
+  /// to see whole frames, the batch's own timestamps have to do).
   const std::vector<PassTiming>& timings() const { return timings_; }
   Device& device() { return device_; }
 

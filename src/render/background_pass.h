@@ -1,36 +1,47 @@
 #pragma once
 #include <array>
+#include <optional>
 
 #include "atmosphere/atmosphere_tables.h"
 #include "gpu/frame_info.h"
 #include "gpu/pipeline.h"
 #include "render/night_sky.h"
+#include "render/render_shared.h"
 #include "terrain/terrain.h"
 
 namespace nepho {
 
-/// Shades the surface, the sky, sun, moon and stars as seen through clear air.
+/// Shades the surface, the sky, stars, sun and moon as seen through clear air.
 /// Reads the terrain's images, the atmosphere tables, the night sky and, where there are clouds, their shadow on the
 /// surface. Writes radiance.
 class BackgroundPass {
  public:
   struct Inputs {
-    Terrain::Outputs terrain;  ///< all empty: the camera, within the air, sees nothing but sky
+    Terrain::Outputs terrain;
     AtmosphereTables::Refs atmosphere;
     NightSky::Refs night_sky;
-    bool night = true;        ///< false: by day, when stars and airglow cannot be seen
-    ImageRef sun_visibility;  ///< may be empty: no clouds
+    bool has_sky_view = true;  ///< the atmosphere has sky views of the camera
+    bool night = true;         ///< false: by day, when stars and airglow cannot be seen
+    ImageRef sun_visibility;   ///< may be empty: no clouds
   };
   BackgroundPass(gpu::Device& device, uint32_t spectral_groups);
   ImageRef add(FrameGraph& graph, const FrameInfo& frame, const AtmosphereParams& params, const Inputs& in) const;
 
  private:
-  const gpu::ComputePipeline& pipeline(bool surfaces, bool night) const;
+  enum Kind { surface, sky, discs };
+  /// Made when it is needed: night and day differ.
+  const gpu::ComputePipeline& pipeline(Kind kind, bool night) const;
+  void add_discs(FrameGraph& graph, const FrameInfo& frame, const Inputs& in, ImageRef background) const;
 
   gpu::Device& device_;
   uint32_t spectral_groups_;
-  mutable std::array<gpu::ComputePipeline, 4> pipelines_;  ///< made when they are needed
+  mutable std::array<std::array<gpu::ComputePipeline, 2>, 3> pipelines_;
 };
+
+/// The pixels [first, last) that a disc of this angular radius around a direction may touch; nothing when it is outside
+/// the picture.
+std::optional<shared::DiscsPush> pixels_of_disc(const shared::FrameConstants& frame, const glm::vec3& dir,
+                                                float angular_radius_rad);
 
 /// Puts the clouds over the background.
 class CompositePass {

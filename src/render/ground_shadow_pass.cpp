@@ -8,15 +8,17 @@ namespace nepho {
 GroundShadowPass::GroundShadowPass(gpu::Device& device)
     : pipeline_(device, {.name = "ground_shadow", .spirv = ground_shadow_comp}) {}
 
-ImageRef GroundShadowPass::add(FrameGraph& graph, const FrameInfo& frame, ImageRef depth_m,
+ImageRef GroundShadowPass::add(FrameGraph& graph, const FrameInfo& frame, const Terrain::Outputs& terrain,
                                const CloudDensityRefs& density) const {
   const ImageRef out = graph.create("sun_visibility", {.extent = frame.extent, .format = Format::r32f});
   auto pass = graph.pass("ground_shadow");
-  pass.uniform("frame", frame.buffer).sample("depth_m", depth_m, Sampler::nearest_clamp).write("sun_visibility", out);
+  pass.uniform("frame", frame.buffer)
+      .sample("depth_m", terrain.depth_m, Sampler::nearest_clamp)
+      .read("pixel_tiles", terrain.surface_tiles)
+      .indirect(terrain.surface_tiles)
+      .write("sun_visibility", out);
   bind_density(pass, density);
-  pass.record([this, extent = frame.extent](gpu::Commands& cmd) {
-    cmd.bind(pipeline_).dispatch_threads(extent.width, extent.height);
-  });
+  pass.record([this](gpu::Commands& cmd) { cmd.bind(pipeline_).dispatch_indirect(); });
   return out;
 }
 

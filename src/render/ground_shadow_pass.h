@@ -2,6 +2,7 @@
 #include "clouds/cloud_density.h"
 #include "gpu/frame_info.h"
 #include "gpu/pipeline.h"
+#include "terrain/terrain.h"
 
 namespace nepho {
 
@@ -10,7 +11,8 @@ namespace nepho {
 class GroundShadowPass {
  public:
   explicit GroundShadowPass(gpu::Device& device);
-  ImageRef add(FrameGraph& graph, const FrameInfo& frame, ImageRef depth_m, const CloudDensityRefs& density) const;
+  ImageRef add(FrameGraph& graph, const FrameInfo& frame, const Terrain::Outputs& terrain,
+               const CloudDensityRefs& density) const;
 
  private:
   gpu::ComputePipeline pipeline_;

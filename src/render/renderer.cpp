@@ -86,10 +86,10 @@ struct Renderer::Parts {
 
 namespace {
 
-/// The sky views of a frame, one per light; none above the air.
+/// The sky views of a frame, one per light; none high up.
 std::vector<shared::SkyView> sky_views_of(const shared::AtmosphereUniform& air, const shared::FrameConstants& frame) {
   std::vector<shared::SkyView> views;
-  if (shared::scaled_height_from_f(frame.planet, frame.planet.camera_f_m2) > air.top_m) return views;
+  if (!has_sky_view(air, frame.planet)) return views;
   const int count = static_cast<int>(frame.light_count);
   for (int i = 0; i < count; ++i)
     views.push_back(
@@ -178,19 +178,18 @@ RenderResult Renderer::render(const RenderRequest& request) {
     const std::vector<shared::SkyView> views = sky_views_of(p.atmosphere->uniform(), frame.constants);
     const AtmosphereTables::Refs atmosphere = p.atmosphere->add(graph, views);
     out.night_sky = p.night_sky.add(graph, frame, scene_.night_sky, p.sky);
-    // Where there is nothing but sky, the surface's images are made for the output layers and the clouds only.
-    const bool sky_only = p.terrain.selected().empty() && !views.empty();
-    if (!sky_only || request.layers || p.clouds) out.terrain = p.terrain.add(graph, frame);
-    BackgroundPass::Inputs background{.terrain = sky_only ? Terrain::Outputs{} : out.terrain,
+    out.terrain = p.terrain.add(graph, frame);
+    BackgroundPass::Inputs background{.terrain = out.terrain,
                                       .atmosphere = atmosphere,
                                       .night_sky = out.night_sky,
+                                      .has_sky_view = !views.empty(),
                                       .night = views.empty() || frame.constants.light_count > 1 ||
                                                NightSky::draws_stars(frame.constants, scene_.night_sky),
                                       .sun_visibility = {}};
     CloudDensityRefs density;
     if (p.clouds) {
       density = import_cloud_density(graph, frame, scene_.clouds, p.clouds->noise, p.clouds->weather);
-      if (!sky_only) background.sun_visibility = p.clouds->shadow.add(graph, frame, out.terrain.depth_m, density);
+      background.sun_visibility = p.clouds->shadow.add(graph, frame, out.terrain, density);
     }
     out.background = p.background.add(graph, frame, scene_.atmosphere, background);
     out.radiance = out.background;

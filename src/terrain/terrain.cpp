@@ -10,6 +10,7 @@
 #include "terrain/parallel.h"
 #include "terrain/terrain.frag.h"
 #include "terrain/terrain.vert.h"
+#include "terrain/terrain_classify.comp.h"
 #include "terrain/terrain_resolve.comp.h"
 #include "terrain/terrain_shared.h"
 
@@ -44,6 +45,13 @@ TerrainView view_of(const FrameInfo& frame, const TerrainParams& params, double 
   return view;
 }
 
+/// An empty list with room for every tile of the picture.
+BufferRef no_pixel_tiles(FrameGraph& graph, const std::string& name, Extent2D extent) {
+  std::vector<uint32_t> list(4 + size_t{(extent.width + 7) / 8} * ((extent.height + 7) / 8), 0u);
+  list[1] = list[2] = 1u;
+  return graph.constants(name, list);
+}
+
 template <typename T>
 std::span<const std::byte> bytes_of(const std::vector<T>& v) {
   return std::as_bytes(std::span(v));
@@ -62,6 +70,7 @@ Terrain::Terrain(gpu::Device& device, TerrainSources sources, const TerrainParam
                                                      .vertex_spirv = terrain_vert,
                                                      .fragment_spirv = terrain_frag,
                                                      .color_formats = {Format::rg32u}});
+  classify_pipeline_ = gpu::ComputePipeline(device_, {.name = "terrain.classify", .spirv = terrain_classify_comp});
   resolve_pipeline_ = gpu::ComputePipeline(device_, {.name = "terrain.resolve", .spirv = terrain_resolve_comp});
   topologies_ = make_topologies();
   indices_ =
@@ -260,7 +269,9 @@ Terrain::Outputs Terrain::add(FrameGraph& graph, const FrameInfo& frame) const {
   const Outputs out{.depth_m = graph.create("terrain.depth_m", {.extent = frame.extent, .format = Format::r32f}),
                     .albedo = graph.create("terrain.albedo", {.extent = frame.extent, .format = Format::rgba16f}),
                     .normal = graph.create("terrain.normal", {.extent = frame.extent, .format = Format::rgba16f}),
-                    .emission = graph.create("terrain.emission", {.extent = frame.extent, .format = Format::rgba16f})};
+                    .emission = graph.create("terrain.emission", {.extent = frame.extent, .format = Format::rgba16f}),
+                    .surface_tiles = no_pixel_tiles(graph, "terrain.surface_tiles", frame.extent),
+                    .sky_tiles = no_pixel_tiles(graph, "terrain.sky_tiles", frame.extent)};
   const SplitVertex camera = split(frame.camera_ecef_m);
   graph.pass("terrain.raster")
       .color(id)
@@ -272,6 +283,15 @@ Terrain::Outputs Terrain::add(FrameGraph& graph, const FrameInfo& frame) const {
       .record([this, draws, push = shared::TerrainRasterPush{camera.hi, camera.lo}](gpu::Commands& cmd) {
         cmd.bind(raster_pipeline_).push(push);
         for (const Draw& d : draws) cmd.draw_indexed(d.range.count, d.range.first, 1, d.tile);
+      });
+  graph.pass("terrain.classify")
+      .sample("depth_tex", depth, Sampler::nearest_clamp)
+      .read_write("surface_tiles", out.surface_tiles)
+      .read_write("sky_tiles", out.sky_tiles)
+      .write("out_depth_m", out.depth_m)
+      .write("out_albedo", out.albedo)
+      .record([this, extent = frame.extent](gpu::Commands& cmd) {
+        cmd.bind(classify_pipeline_).dispatch_threads((extent.width + 7) / 8, (extent.height + 7) / 8);
       });
   graph.pass("terrain.resolve")
       .uniform("frame", frame.buffer)
@@ -285,9 +305,9 @@ Terrain::Outputs Terrain::add(FrameGraph& graph, const FrameInfo& frame) const {
       .write("out_albedo", out.albedo)
       .write("out_normal", out.normal)
       .write("out_emission", out.emission)
-      .record([this, extent = frame.extent](gpu::Commands& cmd) {
-        cmd.bind(resolve_pipeline_).dispatch_threads(extent.width, extent.height);
-      });
+      .read("pixel_tiles", out.surface_tiles)
+      .indirect(out.surface_tiles)
+      .record([this](gpu::Commands& cmd) { cmd.bind(resolve_pipeline_).dispatch_indirect(); });
   return out;
 }
 

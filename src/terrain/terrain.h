@@ -44,10 +44,12 @@ class Terrain {
   struct Outputs {
     ImageRef depth_m;   ///< r32f: distance along the pixel's ray, m; 1e10 for the sky
     ImageRef albedo;    ///< rgba16f: linear Rec. 709; a: 0 sky, 1 land, 2 water (whose rgb is 0)
-    ImageRef normal;    ///< rgba16f: unit normal, ECEF axes; of water the geodetic normal, of the sky 0
-    ImageRef emission;  ///< rgba16f: night lights, linear, 1 the brightest; black without any and by day
+    ImageRef normal;    ///< rgba16f: unit normal, ECEF axes; of water the geodetic normal; sky tiles undefined
+    ImageRef emission;  ///< rgba16f: night lights, linear, 1 the brightest; black without any; sky tiles undefined
+    /// The tiles of 8 x 8 pixels that show some ground, and those that do not (shaders/common/pixel_tiles.glsl).
+    BufferRef surface_tiles, sky_tiles;
   };
-  /// Draws what prepare() selected: passes "terrain.raster" and "terrain.resolve".
+  /// Draws what prepare() selected: passes "terrain.raster", "terrain.classify" and "terrain.resolve".
   Outputs add(FrameGraph& graph, const FrameInfo& frame) const;
 
   struct Stats {
@@ -85,7 +87,7 @@ class Terrain {
   TileMetaCache metas_;
 
   gpu::GraphicsPipeline raster_pipeline_;
-  gpu::ComputePipeline resolve_pipeline_;
+  gpu::ComputePipeline classify_pipeline_, resolve_pipeline_;
   TileTopologies topologies_;
   gpu::Buffer indices_, vertices_;
   gpu::Image imagery_atlas_, slope_atlas_, night_map_;

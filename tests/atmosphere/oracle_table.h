@@ -10,13 +10,15 @@
 #include <doctest/doctest.h>
 #include <glm/vec3.hpp>
 
+#include "oracles/oracle_path.h"
+
 namespace nepho {
 
 /// One table of tests/oracles, columns by name.
 class OracleTable {
  public:
   explicit OracleTable(const std::string& name) {
-    std::ifstream file(std::string(NEPHO_SOURCE_DIR "/tests/oracles/") + name);
+    std::ifstream file(test::oracle_path(name));
     REQUIRE_MESSAGE(file.good(), name);
     std::string line;
     std::getline(file, line);
