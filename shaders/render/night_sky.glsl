@@ -1,6 +1,6 @@
 // Stars, moon and airglow for every pass (docs/night_sky.md).
 //
-//   #define NIGHT_SKY_BINDING 20      // takes this binding and the next
+//   #define NIGHT_SKY_BINDING 20      // takes this binding and the two after it
 //   #include "render/night_sky.glsl"
 //
 // NightSky::bind() declares the bindings. All luminances are linear Rec. 709, cd/m^2.
@@ -9,25 +9,40 @@
 #include "render/night_sky_shared.h"
 
 layout(scalar, set = 0, binding = NIGHT_SKY_BINDING) uniform NightSkyBlock { NightSkyUniform night_sky_data; } night_sky;
-layout(scalar, set = 0, binding = NIGHT_SKY_BINDING + 1) readonly buffer SkyPixelBlock { uint values[]; } sky_pixels;
+layout(scalar, set = 0, binding = NIGHT_SKY_BINDING + 1) readonly buffer StarPixelBlock { uint values[]; } star_pixels;
+layout(set = 0, binding = NIGHT_SKY_BINDING + 2) uniform sampler2D moon_map;
 
-// Stars and the moon before them: all that stands behind the air but the sun. Multiply by the transmittance of the air.
-vec3 night_bodies_luminance(FrameConstants f, ivec2 pixel) {
-  uint at = 3u * night_sky.night_sky_data.pixel_stride * (uint(pixel.y) * f.size.x + uint(pixel.x));
-  uvec3 word = uvec3(sky_pixels.values[at], sky_pixels.values[at + 1u], sky_pixels.values[at + 2u]);
-  return sky_pixel_luminance(night_sky.night_sky_data, word, pixel_solid_angle_sr(f, vec2(pixel) + 0.5));
+// Drawn stars and the even light of the fainter ones, outside the air: multiply by the transmittance of the air.
+vec3 stars_luminance(FrameConstants f, ivec2 pixel) {
+  uint at = 3u * night_sky.night_sky_data.star_stride * (uint(pixel.y) * f.size.x + uint(pixel.x));
+  vec3 lux = vec3(star_pixels.values[at], star_pixels.values[at + 1u], star_pixels.values[at + 2u]) * night_sky.night_sky_data.star_unit_lux;
+  return lux / pixel_solid_angle_sr(f, vec2(pixel) + 0.5) + night_sky.night_sky_data.starlight;
 }
 
-// Share of a pixel that the moon hides: the sun's disc in an eclipse.
+// Share of a pixel that the moon hides.
 float moon_cover(FrameConstants f, vec3 dir) { return moon_disc_cover(f, dir) * night_sky.night_sky_data.moon_present; }
 
-// The same in two parts for background.comp, which adds them as moon + stars * (1 - cover): all is in the first.
+// The moon's disc, lit by the sun and the Earth, outside the air: multiply by the transmittance of the air. Phases of a
+// disc of a few pixels become its mean.
 vec3 moon_disc_luminance(FrameConstants f, vec3 dir) {
-  vec2 pixel;
-  pixel_from_direction(f, dir, pixel);
-  return night_bodies_luminance(f, clamp(ivec2(pixel), ivec2(0), ivec2(f.size) - 1));
+  NightSkyUniform n = night_sky.night_sky_data;
+  float cover = moon_disc_cover(f, dir);
+  if (cover <= 0.0) return vec3(0);
+  float mu;
+  vec3 normal = moon_normal(f, dir, mu);
+  float pixels = f.moon_angular_radius_rad / f.pixel_angle_rad;
+  float lod = log2(max(float(textureSize(moon_map, 0).y) / (kPi * max(pixels, 1.0e-3)), 1.0));
+  float albedo = textureLod(moon_map, moon_map_uv(n.moon_from_ecef * normal), lod).r;
+  float resolved = smoothstep(1.5, 4.0, pixels);
+  float shading = mix(n.moon_mean, albedo * lunar_shading(dot(normal, n.sun_from_moon), mu, n.lunar_lambert), resolved);
+  albedo = mix(n.moon_mean_albedo, albedo, resolved);
+  return (shading * n.moon_luminance + albedo * n.earthshine_luminance) * (cover * moon_disc_dimming(f));
 }
-vec3 stars_luminance(FrameConstants f, ivec2 pixel) { return vec3(0); }
+
+// Stars with the moon before them: all that stands behind the air but the sun.
+vec3 night_bodies_luminance(FrameConstants f, ivec2 pixel, vec3 dir) {
+  return stars_luminance(f, pixel) * (1.0 - moon_cover(f, dir)) + moon_disc_luminance(f, dir);
+}
 
 // The glowing layer 85 to 97 km up along a ray to space or, when hits_ground, to the ground. `transmittance` is the air's
 // along the whole ray: what glows behind the ray's lowest point comes through it, what glows before does not.

@@ -17,9 +17,9 @@ struct NightSkyUniform {
   vec3 airglow;                // luminance of the layer seen vertically from below
   float moon_present;          // 1, or 0 for a scene without a moon
   vec3 starlight;              // mean luminance of what is too faint to be drawn as a star
-  float star_unit_lux;         // of whole numbers in the sky's pixels
+  float star_unit_lux;         // of the numbers in the star image
   vec3 night_illuminance;      // on a horizontal plane at the ground
-  uint pixel_stride;           // 1, or 0 where neither stars nor moon are drawn and the sky has one pixel, empty
+  uint star_stride;            // 1, or 0 where no stars are drawn and the star image has one pixel
 };
 
 // A star as the GPU has it.
@@ -34,12 +34,6 @@ struct StarSplatPush {
   mat3 ecef_from_icrs;
   uint star_count;
   float units_per_lux;
-};
-
-// The rectangle of pixels that holds the moon.
-struct MoonDiscPush {
-  ivec2 first_px;
-  ivec2 end_px;
 };
 
 // ---- Pixels
@@ -82,23 +76,6 @@ SHARED_FN float star_weight(int offset, float at) {
     own = i == offset ? w : own;
   }
   return own / sum;
-}
-
-// ---- The sky's pixels: three words each, a sum of stars in whole units of illuminance or, where the top bit is set, a
-// luminance as a float (its sign bit is free): the moon's, a billion times a star's.
-
-SHARED_CONST uint kLuminanceBit = 0x80000000u;
-
-SHARED_FN uvec3 sky_pixel_word(vec3 luminance) {
-  return uvec3(floatBitsToUint(luminance.x), floatBitsToUint(luminance.y), floatBitsToUint(luminance.z)) | uvec3(kLuminanceBit);
-}
-
-// Luminance of a pixel, with the even light of stars that are too faint to be drawn.
-SHARED_FN vec3 sky_pixel_luminance(NightSkyUniform n, uvec3 word, float solid_angle_sr) {
-  vec3 sum = vec3(word) * (n.star_unit_lux / solid_angle_sr) + n.starlight;
-  uvec3 bits = word & uvec3(~kLuminanceBit);
-  vec3 direct = vec3(uintBitsToFloat(bits.x), uintBitsToFloat(bits.y), uintBitsToFloat(bits.z));
-  return (word.x & kLuminanceBit) != 0u ? direct : sum;
 }
 
 // ---- Moon

@@ -7,7 +7,7 @@
 layout(local_size_x = 64) in;
 layout(set = 0, binding = 0, scalar) uniform FrameBlock { FrameConstants frame_data; } frame;
 layout(set = 0, binding = 1, scalar) readonly buffer StarBlock { StarOnGpu values[]; } stars;
-layout(set = 0, binding = 2, scalar) buffer SkyPixelBlock { uint values[]; } sky_pixels;
+layout(set = 0, binding = 2, scalar) buffer StarPixelBlock { uint values[]; } star_pixels;
 layout(push_constant, scalar) uniform PushBlock { StarSplatPush push; };
 
 void main() {
@@ -29,8 +29,8 @@ void main() {
     if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, size))) continue;
     uvec3 add = uvec3(units * (star_weight(offset.x, at.x) * star_weight(offset.y, at.y)) + 0.5);
     uint first = 3u * (uint(pixel.y) * f.size.x + uint(pixel.x));
-    atomicAdd(sky_pixels.values[first], add.x);
-    atomicAdd(sky_pixels.values[first + 1u], add.y);
-    atomicAdd(sky_pixels.values[first + 2u], add.z);
+    atomicAdd(star_pixels.values[first], add.x);
+    atomicAdd(star_pixels.values[first + 1u], add.y);
+    atomicAdd(star_pixels.values[first + 2u], add.z);
   }
 }

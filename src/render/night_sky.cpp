@@ -5,11 +5,9 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <numbers>
-#include <optional>
 
 #include "astro/moonlight.h"
 #include "gpu/commands.h"
-#include "render/moon_disc.comp.h"
 #include "render/star_splat.comp.h"
 
 namespace nepho {
@@ -17,7 +15,6 @@ namespace nepho {
 static_assert(sizeof(shared::NightSkyUniform) == 132);
 static_assert(sizeof(shared::StarOnGpu) == 32);
 static_assert(sizeof(shared::StarSplatPush) == 44);
-static_assert(sizeof(shared::MoonDiscPush) == 16);
 
 namespace {
 
@@ -25,8 +22,8 @@ constexpr uint32_t kMoonMapWidth = 2048, kMoonCoarseWidth = 256;
 constexpr double kMoonGeometricAlbedo = 0.12;  // V; Allen
 constexpr double kStarsAppear_rad = -2.0 * std::numbers::pi / 180.0;
 constexpr float kAirTop_m = 60e3f;
-// Sums of all stars must fit 31 bits, whatever the field of view puts into one pixel.
-constexpr double kLargestSum = 2.0e9, kFinestUnit_lux = 1.0e-13;
+// Sums of all stars must fit 32 bits, whatever the field of view puts into one pixel.
+constexpr double kLargestSum = 4.0e9, kFinestUnit_lux = 1.0e-13;
 
 /// Halves a map; its width and height are powers of two.
 MoonMap halved(const MoonMap& from) {
@@ -38,30 +35,6 @@ MoonMap halved(const MoonMap& from) {
       to.albedo[j * to.width + i] = 0.25f * (at[0] + at[1] + at[from.width] + at[from.width + 1]);
     }
   return to;
-}
-
-/// The pixels that may hold a part of the moon; none when it is out of the picture.
-std::optional<shared::MoonDiscPush> moon_rectangle(const shared::FrameConstants& frame) {
-  const glm::ivec2 size(frame.size);
-  glm::vec2 low(1e9f), high(-1e9f);
-  const vec3 aside =
-      glm::normalize(glm::cross(frame.moon_dir, std::abs(frame.moon_dir.z) < 0.9f ? vec3(0, 0, 1) : vec3(1, 0, 0)));
-  const vec3 across = glm::cross(frame.moon_dir, aside);
-  // A polygon around the disc and its smooth limb; 24 corners at 1.05 radii stay outside the circle.
-  const float reach = 1.05f * std::tan(shared::moon_drawn_radius(frame) + 1.5f * frame.pixel_angle_rad);
-  for (int i = 0; i < 24; ++i) {
-    const float a = static_cast<float>(i) * (2.0f * shared::kPi / 24.0f);
-    glm::vec2 pixel(0.0f);
-    const vec3 corner = glm::normalize(frame.moon_dir + reach * (std::cos(a) * aside + std::sin(a) * across));
-    // Behind the camera: far out of any picture, or on its very edge in one of nearly half the sky.
-    if (!shared::pixel_from_direction(frame, corner, pixel)) return std::nullopt;
-    low = glm::min(low, pixel);
-    high = glm::max(high, pixel);
-  }
-  const glm::ivec2 first(glm::clamp(glm::floor(low), glm::vec2(0.0f), glm::vec2(size)));
-  const glm::ivec2 end(glm::clamp(glm::ceil(high), glm::vec2(0.0f), glm::vec2(size)));
-  if (first.x >= end.x || first.y >= end.y) return std::nullopt;
-  return shared::MoonDiscPush{first, end};
 }
 
 }  // namespace
@@ -97,9 +70,7 @@ double mean_over_moon_disc(const MoonMap& map, const dmat3& moon_from_ecef, cons
 }
 
 NightSky::NightSky(gpu::Device& device, const SkySources& sources)
-    : device_(device),
-      splat_(device, {.name = "stars", .spirv = star_splat_comp}),
-      disc_(device, {.name = "moon", .spirv = moon_disc_comp}) {
+    : device_(device), splat_(device, {.name = "stars.splat", .spirv = star_splat_comp}) {
   load_moon(sources.moon_texture ? read_moon_map(*sources.moon_texture, kMoonMapWidth) : MoonMap{});
   load_stars(sources.stars);
 }
@@ -138,9 +109,9 @@ void NightSky::load_stars(const std::vector<Star>& stars) {
   if (on_gpu.empty()) on_gpu.push_back({vec3(1.0f, 0.0f, 0.0f), 0.0f, vec3(1.0f), 0.0f});
   const std::array<uint32_t, 3> none{};
   stars_ = device_.create_buffer({.name = "stars.catalog", .size_bytes = on_gpu.size() * sizeof(shared::StarOnGpu)});
-  no_pixels_ = device_.create_buffer({.name = "night_sky.no_pixels", .size_bytes = sizeof(none)});
+  no_star_pixels_ = device_.create_buffer({.name = "stars.none", .size_bytes = sizeof(none)});
   const gpu::BufferUpload uploads[] = {{&stars_, 0, std::as_bytes(std::span(on_gpu))},
-                                       {&no_pixels_, 0, std::as_bytes(std::span(none))}};
+                                       {&no_star_pixels_, 0, std::as_bytes(std::span(none))}};
   device_.upload({}, uploads);
 }
 
@@ -179,9 +150,11 @@ shared::NightSkyUniform NightSky::uniform(const shared::FrameConstants& frame, c
   n.night_illuminance = shared::night_sky_illuminance(static_cast<float>(params.airglow_cd_m2), params.stars);
   if (draws_stars(frame, params)) {
     n.starlight = vec3(shared::kStarlightLuminance_cd_m2);
-    if (star_count_ > 0) n.star_unit_lux = 1.0f / units_per_lux_;
+    if (star_count_ > 0) {
+      n.star_unit_lux = 1.0f / units_per_lux_;
+      n.star_stride = 1;
+    }
   }
-  n.pixel_stride = n.star_unit_lux > 0.0f || (params.moon && moon_rectangle(frame)) ? 1 : 0;
   return n;
 }
 
@@ -190,39 +163,29 @@ NightSky::Refs NightSky::add(FrameGraph& graph, const FrameInfo& frame, const Ni
   const shared::NightSkyUniform n = uniform(frame.constants, params, sky);
   Refs refs;
   refs.uniform = graph.constants("night_sky", n);
-  if (n.pixel_stride == 0) {
-    refs.sky_pixels = graph.import(no_pixels_);
+  refs.moon_map = graph.import(moon_map_);
+  if (n.star_stride == 0) {
+    refs.star_pixels = graph.import(no_star_pixels_);
     return refs;
   }
-  refs.sky_pixels = graph.create_buffer("night_sky.pixels",
-                                        uint64_t{frame.extent.width} * frame.extent.height * 3 * sizeof(uint32_t));
-  graph.pass("night_sky.clear").zero("sky_pixels", refs.sky_pixels).record([](gpu::Commands& cmd) {
-    cmd.zero("sky_pixels");
+  const uint32_t numbers = 3 * frame.extent.width * frame.extent.height;
+  refs.star_pixels = graph.create_buffer("stars.pixels", uint64_t{numbers} * sizeof(uint32_t));
+  graph.pass("stars.clear").zero("star_pixels", refs.star_pixels).record([](gpu::Commands& cmd) {
+    cmd.zero("star_pixels");
   });
-  if (n.star_unit_lux > 0.0f) {
-    const shared::StarSplatPush push{glm::mat3(sky.ecef_from_icrs), star_count_, units_per_lux_};
-    graph.pass("stars")
-        .uniform("frame", frame.buffer)
-        .read("stars", graph.import(stars_))
-        .read_write("sky_pixels", refs.sky_pixels)
-        .record([this, push](gpu::Commands& cmd) { cmd.bind(splat_).push(push).dispatch_threads(star_count_); });
-  }
-  const std::optional<shared::MoonDiscPush> moon = params.moon ? moon_rectangle(frame.constants) : std::nullopt;
-  if (moon)
-    graph.pass("moon")
-        .uniform("frame", frame.buffer)
-        .uniform("night_sky", refs.uniform)
-        .read_write("sky_pixels", refs.sky_pixels)
-        .sample("moon_map", graph.import(moon_map_), Sampler::linear_repeat_u)
-        .record([this, push = *moon](gpu::Commands& cmd) {
-          const glm::ivec2 size = push.end_px - push.first_px;
-          cmd.bind(disc_).push(push).dispatch_threads(static_cast<uint32_t>(size.x), static_cast<uint32_t>(size.y));
-        });
+  const shared::StarSplatPush push{glm::mat3(sky.ecef_from_icrs), star_count_, units_per_lux_};
+  graph.pass("stars.splat")
+      .uniform("frame", frame.buffer)
+      .read("stars", graph.import(stars_))
+      .read_write("star_pixels", refs.star_pixels)
+      .record([this, push](gpu::Commands& cmd) { cmd.bind(splat_).push(push).dispatch_threads(star_count_); });
   return refs;
 }
 
 void NightSky::bind(FrameGraph::PassBuilder& pass, const Refs& refs) {
-  pass.uniform("night_sky", refs.uniform).read("sky_pixels", refs.sky_pixels);
+  pass.uniform("night_sky", refs.uniform)
+      .read("star_pixels", refs.star_pixels)
+      .sample("moon_map", refs.moon_map, Sampler::linear_repeat_u);
 }
 
 }  // namespace nepho

@@ -29,17 +29,17 @@ class NightSky {
   NightSky(gpu::Device& device, const SkySources& sources);
 
   struct Refs {
-    BufferRef uniform, sky_pixels;
+    BufferRef uniform, star_pixels;
+    ImageRef moon_map;
   };
-  /// Declares what a frame needs: "night_sky.clear", then "stars" where stars may be seen and "moon" where the moon is
-  /// in the picture; with neither, no pass.
+  /// Declares what a frame needs: passes "stars.clear" and "stars.splat" where stars may be seen, otherwise none.
   Refs add(FrameGraph& graph, const FrameInfo& frame, const NightSkyParams& params, const SkyBodies& sky) const;
   /// Declares everything that shaders/render/night_sky.glsl binds.
   static void bind(FrameGraph::PassBuilder& pass, const Refs& refs);
 
   /// Stars are drawn where they are asked for, and the sun is below -2 degrees or the camera above 60 km.
   static bool draws_stars(const shared::FrameConstants& frame, const NightSkyParams& params);
-  /// The values that shaders get; `star_unit_lux` is 0 where no stars are drawn.
+  /// The values that shaders get; `star_unit_lux` 0 where no stars are drawn.
   shared::NightSkyUniform uniform(const shared::FrameConstants& frame, const NightSkyParams& params,
                                   const SkyBodies& sky) const;
 
@@ -48,10 +48,10 @@ class NightSky {
   void load_stars(const std::vector<Star>& stars);
 
   gpu::Device& device_;
-  gpu::ComputePipeline splat_, disc_;
+  gpu::ComputePipeline splat_;
   gpu::Image moon_map_;
   MoonMap moon_coarse_;  ///< for means over the disc
-  gpu::Buffer stars_, no_pixels_;
+  gpu::Buffer stars_, no_star_pixels_;
   uint32_t star_count_ = 0;
   float units_per_lux_ = 0.0f;
 };

@@ -47,7 +47,7 @@ CameraPose pose_of(const View& v) {
 
 struct Drawn {
   shared::FrameConstants frame;
-  std::vector<float> bodies, airglow, light;  ///< four floats a pixel
+  std::vector<float> stars, moon, airglow, light;  ///< four floats a pixel
   std::vector<std::string> passes;
   dvec3 at(const std::vector<float>& image, uint32_t x, uint32_t y) const {
     const float* p = &image[4 * (size_t{y} * frame.size.x + x)];
@@ -77,19 +77,24 @@ class Fixture : public GpuFixture {
     frame.buffer = graph.constants("frame", frame.constants);
     const NightSky::Refs refs = night.add(graph, frame, v.params, sky);
     const ImageDesc desc{.extent = v.size, .format = Format::rgba32f};
-    const ImageRef bodies = graph.create("bodies_out", desc), airglow = graph.create("airglow_out", desc),
-                   light = graph.create("light_out", desc);
+    const ImageRef stars = graph.create("stars_out", desc), moon = graph.create("moon_out", desc),
+                   airglow = graph.create("airglow_out", desc), light = graph.create("light_out", desc);
     auto pass = graph.pass("night_sky.test");
     pass.uniform("frame", frame.buffer)
-        .write("bodies_out", bodies)
+        .write("stars_out", stars)
+        .write("moon_out", moon)
         .write("airglow_out", airglow)
         .write("light_out", light);
     NightSky::bind(pass, refs);
     pass.record([this, v](gpu::Commands& cmd) { cmd.bind(probe_).dispatch_threads(v.size.width, v.size.height); });
-    for (const ImageRef image : {bodies, airglow, light}) graph.keep(image);
+    for (const ImageRef image : {stars, moon, airglow, light}) graph.keep(image);
     executor.run(graph);
-    Drawn d{
-        frame.constants, executor.read<float>(bodies), executor.read<float>(airglow), executor.read<float>(light), {}};
+    Drawn d{frame.constants,
+            executor.read<float>(stars),
+            executor.read<float>(moon),
+            executor.read<float>(airglow),
+            executor.read<float>(light),
+            {}};
     for (const gpu::PassTiming& t : executor.timings()) d.passes.push_back(t.name);
     return d;
   }
@@ -107,7 +112,7 @@ Star star_towards(const dvec3& dir_ecef, double magnitude, const std::string& ti
 dvec3 up_at(const Geodetic& at) { return geodetic_up_ecef(at.lat_rad, at.lon_rad); }
 
 View moon_view(const std::string& time, double radii, Extent2D size) {
-  View v{.time = time, .size = size, .params = {.stars = false}};
+  View v{.time = time, .size = size};
   const SkyBodies sky = sky_bodies_at(parse_utc(time));
   // Under the moon, so that it is far from any horizon.
   const dvec3 m = sky.moon.dir_ecef;
@@ -146,7 +151,7 @@ TEST_CASE("gpu: a star keeps its illuminance and colour, and its centroid is its
       const Drawn d = gpu.draw(night, v);
       CAPTURE(magnitude);
       CAPTURE(place.x);
-      const dvec3 flux = d.flux(d.bodies, dvec3(static_cast<double>(shared::kStarlightLuminance_cd_m2)));
+      const dvec3 flux = d.flux(d.stars, dvec3(static_cast<double>(shared::kStarlightLuminance_cd_m2)));
       // The even starlight is subtracted in floats of the sum: 1e-7 of it over the picture, 1 % of a star of V = 8.
       CHECK(luminance(flux) / star_illuminance_lux(magnitude) ==
             doctest::Approx(1.0).epsilon(magnitude > 5 ? 0.02 : 0.002));
@@ -154,7 +159,7 @@ TEST_CASE("gpu: a star keeps its illuminance and colour, and its centroid is its
       double sum = 0.0, sum_x = 0.0, sum_y = 0.0;
       for (uint32_t py = 0; py < v.size.height; ++py)
         for (uint32_t px = 0; px < v.size.width; ++px) {
-          const double w = (d.at(d.bodies, px, py).y - static_cast<double>(shared::kStarlightLuminance_cd_m2)) *
+          const double w = (d.at(d.stars, px, py).y - static_cast<double>(shared::kStarlightLuminance_cd_m2)) *
                            d.solid_angle(px, py);
           sum += w;
           sum_x += w * (px + 0.5);
@@ -192,18 +197,18 @@ TEST_CASE(
                                               shared::star_weight(offset.y, place.y - cell.y - 0.5f));
     expected += weight * star_illuminance_lux(s.magnitude);
   }
-  const double middle = (luminance(one.at(one.bodies, 1, 1)) - static_cast<double>(shared::kStarlightLuminance_cd_m2)) *
+  const double middle = (luminance(one.at(one.stars, 1, 1)) - static_cast<double>(shared::kStarlightLuminance_cd_m2)) *
                         one.solid_angle(1, 1);
   CHECK(expected > 30e-6);  // a good part of the sky's brightest
   CHECK(middle == doctest::Approx(expected).epsilon(0.002));
 
   View v{.fov_deg = 20.0, .size = {160, 120}, .params = {.moon = false}};  // towards the celestial pole: ECEF z, nearly
   const Drawn first = gpu.draw(night, v), second = gpu.draw(night, v);
-  CHECK(first.bodies == second.bodies);
+  CHECK(first.stars == second.stars);
   uint32_t best_x = 0, best_y = 0;
   for (uint32_t y = 0; y < 120; ++y)
     for (uint32_t x = 0; x < 160; ++x)
-      if (first.at(first.bodies, x, y).y > first.at(first.bodies, best_x, best_y).y) best_x = x, best_y = y;
+      if (first.at(first.stars, x, y).y > first.at(first.stars, best_x, best_y).y) best_x = x, best_y = y;
   // 0.63 degrees from the pole in 2026 (J2000: 0.74), a sixth of a degree a pixel.
   CHECK(std::hypot(best_x + 0.5 - 80.0, best_y + 0.5 - 60.0) == doctest::Approx(0.626 * 6.0).epsilon(0.25));
 }
@@ -214,21 +219,21 @@ TEST_CASE("gpu: no stars are drawn by day or when not asked for, but from space 
   const NightSky night(gpu.device, {.moon_texture = nullptr,
                                     .stars = {star_towards(up, 0.0), star_towards(up, 0.0, "2026-06-21T03:00:00Z")}});
   View v{.towards = up};
-  const auto splats = [](const Drawn& d) { return std::count(d.passes.begin(), d.passes.end(), "stars"); };
+  const auto splats = [](const Drawn& d) { return std::count(d.passes.begin(), d.passes.end(), "stars.splat"); };
   CHECK(splats(gpu.draw(night, v)) == 1);
   v.params.stars = false;
   const Drawn without = gpu.draw(night, v);
   CHECK(splats(without) == 0);
-  CHECK(luminance(without.flux(without.bodies)) == 0.0);
+  CHECK(luminance(without.flux(without.stars)) == 0.0);
   v.params.stars = true;
   v.time = "2026-06-21T03:00:00Z";  // noon
   const Drawn noon = gpu.draw(night, v);
   CHECK(splats(noon) == 0);
-  CHECK(luminance(noon.flux(noon.bodies)) == 0.0);
+  CHECK(luminance(noon.flux(noon.stars)) == 0.0);
   v.at.height_m = 400e3;
   const Drawn space = gpu.draw(night, v);
   CHECK(splats(space) == 1);
-  CHECK(luminance(space.flux(space.bodies)) > star_illuminance_lux(0.0));
+  CHECK(luminance(space.flux(space.stars)) > star_illuminance_lux(0.0));
 }
 
 TEST_CASE("gpu: the moon's disc gives Allen's illuminance at every phase, large, small and below a pixel") {
@@ -257,15 +262,15 @@ TEST_CASE("gpu: the moon's disc gives Allen's illuminance at every phase, large,
     const Drawn d = gpu.draw(night, v);
     CAPTURE(std::string(c.time));
     CAPTURE(c.radii);
-    const dvec3 expected = expected_moonlight(d, c.time), flux = d.flux(d.bodies);
+    const dvec3 expected = expected_moonlight(d, c.time), flux = d.flux(d.moon);
     CHECK(luminance(flux) / luminance(expected) == doctest::Approx(1.0).epsilon(c.tolerance));
     CHECK(flux.x / flux.z == doctest::Approx(expected.x / expected.z).epsilon(0.01));
-    CHECK(std::all_of(d.bodies.begin(), d.bodies.end(), [](float l) { return std::isfinite(l) && l >= 0.0f; }));
+    CHECK(std::all_of(d.moon.begin(), d.moon.end(), [](float l) { return std::isfinite(l) && l >= 0.0f; }));
   }
   // A day from new moon: less than a pixel of it is lit, and what a pixel's centre meets is a matter of luck.
   const Drawn thin = gpu.draw(night, moon_view("2026-01-18T20:00:00Z", 1.3, {128, 128}));
   const double thin_ratio =
-      luminance(thin.flux(thin.bodies)) / luminance(expected_moonlight(thin, "2026-01-18T20:00:00Z"));
+      luminance(thin.flux(thin.moon)) / luminance(expected_moonlight(thin, "2026-01-18T20:00:00Z"));
   CHECK(thin_ratio > 0.7);
   CHECK(thin_ratio < 1.4);
 }
@@ -282,7 +287,7 @@ TEST_CASE("gpu: the moon's lit limb points to the sun; earthshine keeps the othe
   double sum = 0.0, least = 1e9;
   for (uint32_t y = 0; y < 128; ++y)
     for (uint32_t x = 0; x < 128; ++x) {
-      const double l = luminance(d.at(d.bodies, x, y));
+      const double l = luminance(d.at(d.moon, x, y));
       centroid += l * glm::dvec2(x - 63.5, 63.5 - y);
       sum += l;
       if (std::hypot(x - 63.5, y - 63.5) < 0.9 * 64 / 1.3) least = std::min(least, l);
@@ -341,7 +346,7 @@ TEST_CASE("gpu: Mare Crisium is dark on the moon's east, Imbrium on its north-we
     double sum = 0.0;
     for (int j = -1; j <= 1; ++j)
       for (int i = -1; i <= 1; ++i)
-        sum += luminance(d.at(d.bodies, static_cast<uint32_t>(p.x + i), static_cast<uint32_t>(p.y + j))) / 9.0;
+        sum += luminance(d.at(d.moon, static_cast<uint32_t>(p.x + i), static_cast<uint32_t>(p.y + j))) / 9.0;
     return std::pair(p, sum);
   };
   const auto [crisium, crisium_cd] = seen(17.0, 59.0);
