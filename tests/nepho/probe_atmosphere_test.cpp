@@ -20,7 +20,7 @@ using namespace nepho;
 namespace {
 
 std::string oracle_text(const std::string& name) {
-  return read_text_file(std::string(NEPHO_SOURCE_DIR) + "/tests/oracles/" + name + ".csv");
+  return read_text_file(test::oracle_path(name + ".csv"));
 }
 
 ProbeOptions demo(int orders) {

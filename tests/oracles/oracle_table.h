@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "oracles/oracle_path.h"
+
 namespace nepho::test {
 
 /// One row of an oracle table: columns by name. A missing column throws, so that a renamed one cannot pass unseen.
@@ -23,7 +25,7 @@ class OracleRow {
 
 /// Reads tests/oracles/<name>.csv (plain commas, a header line; the numbers' sources are in docs/units_and_frames.md).
 inline std::vector<OracleRow> oracle_table(const std::string& name) {
-  const std::string path = std::string(NEPHO_SOURCE_DIR) + "/tests/oracles/" + name + ".csv";
+  const std::string path = oracle_path(name + ".csv");
   std::ifstream file(path);
   if (!file) throw std::runtime_error("missing oracle table " + path);
   std::string line, cell;
