@@ -42,7 +42,7 @@ ScatteredLight scatter_along(float h, float mu, float mu_s, float nu, float leng
       vec3 sun = sunlit * group.solar_irradiance * exp(-optical_depth(group, sum_columns));
       vec3 gas = node.density.x * group.rayleigh_scattering_per_m;
       vec3 aerosol = node.density.y * group.mie_scattering_per_m;
-      vec3 again = (node.weight_m * source_share) * group.solar_irradiance * exp(group.basis * source - optical_depth(group, node.columns));
+      vec3 again = (node.weight_m * source_share * night_fade(air, node.mu_s)) * group.solar_irradiance * exp(group.basis * source - optical_depth(group, node.columns));
       light.smooth_part += group.rgb * (rayleigh_phase * gas * sun + (gas + aerosol) * again);
       light.mie += group.rgb * (aerosol * sun);
     }

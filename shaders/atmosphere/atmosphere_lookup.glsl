@@ -222,7 +222,7 @@ vec3 irradiance_part(float height_m, float mu_s, int part) {
     SpectralGroup group = atmosphere.spectrum[g];
     sum += group.rgb * (group.solar_irradiance * exp(group.basis * coefficients));
   }
-  return max(sum, vec3(0));
+  return max(sum, vec3(0)) * night_fade(air, mu_s);
 }
 vec3 irradiance_of_lights(FrameConstants frame, float height_m, vec3 up, int part) {
   vec3 sum = vec3(0);
@@ -254,7 +254,7 @@ vec3 mirrored_sky_luminance(FrameConstants frame, vec3 up, vec3 dir) {
     vec3 gas = sample_4d(mirror_tex, x, y, v, 0.5 / 3.0).rgb;
     vec3 mie = sample_4d(mirror_tex, x, y, v, 1.5 / 3.0).rgb;
     vec3 multiple = sample_4d(mirror_tex, x, y, v, 2.5 / 3.0).rgb;
-    sum += (gas * phase_rayleigh(nu) + mie * phase_aerosol(air, nu) + multiple) * light_factor(frame, i);
+    sum += (gas * phase_rayleigh(nu) + mie * phase_aerosol(air, nu) + multiple) * night_fade(air, dot(up, light)) * light_factor(frame, i);
   }
   return max(sum, vec3(0));
 }

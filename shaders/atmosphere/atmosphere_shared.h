@@ -62,6 +62,7 @@ struct AtmosphereUniform {
   float mie_phase_b;             // 1 Cornette-Shanks, 0 Henyey-Greenstein
   float ground_albedo;
   float mu_s_scale;              // A of the mu_s mapping, from the lowest sun
+  float min_mu_s;                // cosine of the lowest sun of the tables
   float sky_view_top_m;          // cameras up to this scaled height have sky views
   vec3 luminance_factor;         // from what the lookups sum to, to linear Rec. 709 in cd/m^2 (1 with the full spectrum)
   vec3 sun_illuminance;          // at 1 au on a facing plane, lux per channel
@@ -303,6 +304,10 @@ SHARED_FN float mu_s_from_unit(AtmosphereUniform air, float u) {
 SHARED_FN float mu_s_scale_for(AtmosphereUniform air, float min_mu_s) {
   return (distance_to_top(air, 0.0f, min_mu_s) - air.top_m) / (air.rho_top_m - air.top_m);
 }
+
+// Multiply scattered light below the lowest sun of the tables, as a share of that there: it goes on falling, tenfold in
+// 2.3 degrees, about as it does in nature between 12 and 18 degrees.
+SHARED_FN float night_fade(AtmosphereUniform air, float mu_s) { return exp(60.0f * min(mu_s - air.min_mu_s, 0.0f)); }
 
 // View-sun angles theta: u = sin(theta / 2), even in angle towards the sun, where aerosol light changes fastest.
 SHARED_FN float unit_from_nu(float nu) { return sqrt(clamp(0.5f * (1.0f - nu), 0.0f, 1.0f)); }

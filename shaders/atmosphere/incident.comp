@@ -45,7 +45,7 @@ void main() {
         light[g] += (node.weight_m * node.sunlit) * exp(-optical_depth(group, node.columns + node.columns_to_sun)) *
                     (gas * phase_r + aerosol * phase_m);
       else
-        light[g] += node.weight_m * (gas + aerosol) * exp(group.basis * source - optical_depth(group, node.columns));
+        light[g] += (node.weight_m * night_fade(air, node.mu_s)) * (gas + aerosol) * exp(group.basis * source - optical_depth(group, node.columns));
     }
   }
   columns = path_columns(air, path, columns);

@@ -72,6 +72,6 @@ void main() {
     behind = surface_luminance(f, pixel, dir, distance, surface) * through;
   else if (kNight)
     behind = stars_luminance(f, pixel) * through;
-  if (kNight) behind += airglow_luminance(f, dir, !is_sky, through);
+  if (kNight) behind += airglow_luminance(f, dir, !is_sky, through) + night_air_luminance(through);
   imageStore(background, pixel, vec4(air + behind, 1.0));
 }

@@ -51,6 +51,12 @@ vec3 airglow_luminance(FrameConstants f, vec3 dir, bool hits_ground, vec3 transm
   return night_sky.night_sky_data.airglow * (path.x + path.y * transmittance);
 }
 
+// Light of airglow and stars that the air scatters into a ray with this transmittance. They shine from the whole sky, so that
+// the source function is about their mean over all directions: half of that of the sky, and a tenth of it for the ground.
+vec3 night_air_luminance(vec3 transmittance) {
+  return night_sky.night_sky_data.night_illuminance * (0.55 / kPi) * (1.0 - transmittance);
+}
+
 // Light of airglow and stars on a horizontal plane at the ground, lux: the least light of any night.
 vec3 night_illuminance_lux() { return night_sky.night_sky_data.night_illuminance; }
 #endif

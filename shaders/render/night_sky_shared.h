@@ -139,9 +139,10 @@ SHARED_FN vec2 moon_map_uv(vec3 body) {
 SHARED_CONST float kAirglowBottom_m = 85.0e3f;  // the sheet of 557.7 nm, sodium and the continuum
 SHARED_CONST float kAirglowTop_m = 97.0e3f;
 
-// Colour of airglow, linear Rec. 709 of luminance 1: 70 % of the luminance from 557.7 nm, 12 % from sodium at 589.3 nm,
-// 18 % from an even continuum (CIE 1931).
-SHARED_FN vec3 airglow_color() { return vec3(0.715f, 1.182f, 0.034f); }
+// Colour of airglow, linear Rec. 709 of luminance 1. From typical rates of a quiet mid-latitude night (Roach and Gordon 1973):
+// 557.7 nm 250 R, sodium 75 R, continuum 0.4 R per angstrom, that is 36, 8 and 56 % of the luminance. The lines alone are
+// outside Rec. 709: (0.08, 1.39, -0.17) and (2.80, 0.58, -0.13); the continuum is (1.05, 1.00, 0.90).
+SHARED_FN vec3 airglow_color() { return vec3(0.842f, 1.106f, 0.433f); }
 
 // Lengths of a ray within the glowing layer, m: x before the ray's lowest point (nothing but thin air in between), y
 // after it (behind the air, or 0 behind the ground).

@@ -21,7 +21,7 @@ void main() {
   vec3 result = sky_view_luminance(frame.frame_data, dir, through);
   if (kNight) {
     result += stars_luminance(frame.frame_data, pixel) * through;
-    result += airglow_luminance(frame.frame_data, dir, false, through);
+    result += airglow_luminance(frame.frame_data, dir, false, through) + night_air_luminance(through);
   }
   imageStore(background, pixel, vec4(result, 1.0));
 }

@@ -19,6 +19,8 @@ layout(set = 0, binding = 10, rgba16f) uniform writeonly image2D out_emission;
 #define PIXEL_TILES_BINDING 11
 #include "common/pixel_tiles.glsl"
 
+const float kNightBlack = 0.006;  // linear; sRGB level 20 of 255
+
 void main() {
   FrameConstants f = frame.frame_data;
   uvec2 pixel = tile_pixel();
@@ -63,6 +65,8 @@ void main() {
       vec2 map = tile.map_origin + uv * tile.map_size;
       float map_texel_m = 4.0075e7 / float(textureSize(night_tex, 0).x);
       emission = textureLod(night_tex, map, max(log2(max(footprint_m / map_texel_m, 1.0e-6)), 0.0)).rgb;
+      // The picture's black is not black, but a level or a few of 255: over a dark sea that would outshine the sky.
+      emission = max(emission - kNightBlack, vec3(0.0)) * (1.0 / (1.0 - kNightBlack));
     }
   }
   imageStore(out_depth_m, at, vec4(distance_m));

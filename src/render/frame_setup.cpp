@@ -11,6 +11,8 @@ namespace nepho {
 
 namespace {
 constexpr double kMoonLightsBelow_rad = rad_from_deg(-1.0), kMoonIsKeyBelow_rad = rad_from_deg(-9.0);
+/// From space: the sunlit part of what is seen is small then, and a picture may be exposed for the rest.
+constexpr double kMoonLightsFromSpaceBelow_rad = rad_from_deg(-6.0);
 constexpr double kAirTop_m = 60e3, kEarthRadius_m = 6371e3;
 constexpr float kNear_m = 0.1f;  // reversed-Z float depth keeps its relative precision whatever this is
 
@@ -39,7 +41,8 @@ void set_lights(shared::FrameConstants& c, const CameraPose& pose, const FrameLi
   const double sun_elevation = std::asin(
       std::clamp(glm::dot(geodetic_up_ecef(pose.at.lat_rad, pose.at.lon_rad), light.sun_dir_ecef), -1.0, 1.0));
   const double dip = std::acos(kEarthRadius_m / (kEarthRadius_m + std::max(pose.at.height_m, 0.0)));
-  if (sun_elevation < kMoonLightsBelow_rad || pose.at.height_m > kAirTop_m) c.light_count = 2;
+  if (sun_elevation < (pose.at.height_m > kAirTop_m ? kMoonLightsFromSpaceBelow_rad : kMoonLightsBelow_rad))
+    c.light_count = 2;
   if (sun_elevation < kMoonIsKeyBelow_rad - dip) {
     c.key_dir = c.moon_dir;
     c.key_illuminance = c.moon_share * c.sun_illuminance_1au;

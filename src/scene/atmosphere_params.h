@@ -51,7 +51,7 @@ struct AtmosphereParams {
   /// Sun at 1 au at the top of the atmosphere, W m^-2 nm^-1 at 680, 550, 440 nm (ASTM G173 as in Bruneton 2017).
   glm::dvec3 solar_irradiance_W_m2_nm = {1.474, 1.8504, 1.91198};
   double ground_albedo = 0.1;                   ///< mean albedo that lights the sky from below, 0..1
-  double min_sun_zenith_cos = -0.207911690818;  ///< sun cosine down to which the tables reach; cos 102 deg
+  double min_sun_zenith_cos = -0.342020143326;  ///< sun cosine down to which the tables reach, then light fades; cos 110 deg
   int scattering_orders = 4;                    ///< >= 1; 1 is single scattering
   std::string spectral = "full";                ///< fast: three wavelengths; full: fifteen, summed to luminance
   bool operator==(const AtmosphereParams&) const = default;

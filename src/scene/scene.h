@@ -50,7 +50,7 @@ struct RenderParams {
   uint32_t frames = 1;           ///< frames accumulated, >= 1
   uint32_t seed = 0;
   std::optional<double> exposure_ev100;  ///< without: from the picture's own luminances
-  double min_ev100 = -6.0;               ///< automatic exposure stays within min_ev100..max_ev100
+  double min_ev100 = -8.0;               ///< automatic exposure stays within min_ev100..max_ev100
   double max_ev100 = 17.0;
   double exposure_compensation_ev = 0.0;  ///< added to the automatic exposure's brightness, stops
   double exposure_adaptation_s = 1.0;     ///< time constant of automatic exposure in sequences, s; stills do not adapt

@@ -51,11 +51,12 @@ TEST_CASE("frame light: full moonlight is 1 / 400,000 of sunlight, and is the ke
   CHECK(f.sun_illuminance_1au == kSunAt1Au);
 }
 
-TEST_CASE("frame light: the moon lights the air from a sun of -1 degree down, or from above 60 km") {
+TEST_CASE("frame light: the moon lights the air from a sun of -1 degree down, from above 60 km of -6 degrees") {
   CHECK(frame_at(-0.9, 2.0).light_count == 1);
   CHECK(frame_at(-1.1, 2.0).light_count == 2);
   CHECK(frame_at(40.0, 59e3).light_count == 1);
-  CHECK(frame_at(40.0, 61e3).light_count == 2);
+  CHECK(frame_at(-5.9, 61e3).light_count == 1);
+  CHECK(frame_at(-6.1, 61e3).light_count == 2);
   CHECK(frame_at(-30.0, 2.0, false).light_count == 1);
 }
 
