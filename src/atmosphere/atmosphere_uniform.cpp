@@ -9,7 +9,7 @@
 
 namespace nepho {
 
-static_assert(sizeof(shared::AtmosphereUniform) == 20 * 4);
+static_assert(sizeof(shared::AtmosphereUniform) == 21 * 4);
 static_assert(sizeof(shared::SpectralGroup) == (5 * 3 + 2 * 9 + 2 * 12) * 4);
 static_assert(sizeof(shared::AtmosphereData) ==
               sizeof(shared::AtmosphereUniform) + shared::kMaxSpectralGroups * sizeof(shared::SpectralGroup));
@@ -83,6 +83,7 @@ AtmosphereConstants make_atmosphere_constants(const AtmosphereParams& params) {
   u.mie_phase_b = henyey_greenstein ? 0.0f : 1.0f;
   u.ground_albedo = static_cast<float>(p.ground_albedo);
   u.sky_view_top_m = static_cast<float>(kSkyViewShare * p.top_height_m);
+  u.min_mu_s = static_cast<float>(p.min_sun_zenith_cos);
   u.mu_s_scale = shared::mu_s_scale_for(u, static_cast<float>(p.min_sun_zenith_cos));
   u.luminance_factor = spectrum.groups == 1 ? glm::vec3(sky_luminance_factors()) : glm::vec3(1.0f);
   u.sun_illuminance = sun_illuminance_at_1au(p);
