@@ -3,6 +3,8 @@
 //   #define ATMOSPHERE_BINDING 8      // takes this binding and the six after it
 //   #include "atmosphere/atmosphere_lookup.glsl"
 //
+// With ATMOSPHERE_MANY_VIEWS the sky views are a storage buffer of any length instead of a frame's two.
+//
 // Specialisation constant 0 is the number of spectral groups. AtmosphereTables::bind() declares the bindings. Luminances are
 // linear Rec. 709 in cd/m^2, illuminances in lux per channel. Cameras may be anywhere from the ground to space. A ray that
 // misses the air: luminance 0, transmittance 1.
@@ -16,7 +18,11 @@
 layout(set = 0, binding = ATMOSPHERE_BINDING + 3) uniform sampler2D irradiance_tex;
 layout(set = 0, binding = ATMOSPHERE_BINDING + 4) uniform sampler3D mirror_tex;
 layout(set = 0, binding = ATMOSPHERE_BINDING + 5) uniform sampler2D sky_view_tex;
+#ifdef ATMOSPHERE_MANY_VIEWS
 layout(set = 0, binding = ATMOSPHERE_BINDING + 6, scalar) readonly buffer SkyViewBlock { SkyView data[]; } sky_views;
+#else
+layout(set = 0, binding = ATMOSPHERE_BINDING + 6, scalar) uniform SkyViewBlock { SkyView data[2]; } sky_views;  // sun's, moon's
+#endif
 
 // A ray's first point within the air, and one light.
 struct AirRay {
@@ -75,14 +81,11 @@ vec3 path_light(AirRay ray, float length_m, float shadow_m, out vec3 columns) {
   return light.smooth_part + light.mie * phase_aerosol(atmosphere.air, ray.nu);
 }
 
-// The sky from within the air by sky view `i`, and the transmittance to space. `dir` is a unit vector.
-vec3 sky_view_light(int i, vec3 dir, out vec3 transmittance) {
-  SkyView view = sky_views.data[i];
-  vec3 scaled = normalize(vec3(dir.x, dir.y, dir.z * view.a_over_b));
-  float sine = clamp(dot(view.up, scaled), -1.0, 1.0);
-  vec3 across = scaled - view.up * sine;
-  float azimuth = acos(clamp(dot(across, view.forward) * inversesqrt(max(dot(across, across), 1.0e-12)), -1.0, 1.0));
-  vec2 uv = view.uv_origin + view.uv_span * vec2(azimuth * (1.0 / kPi), sky_row_unit(view, asin(sine)));
+// The sky from within the air by a sky view, and the transmittance to space. `dir` is a unit vector.
+vec3 sky_view_light(SkyView view, vec3 dir, out vec3 transmittance) {
+  vec3 scaled = vec3(dir.x, dir.y, dir.z * view.a_over_b);
+  vec2 uv = view.uv_origin +
+            view.uv_span * sky_view_unit(view, dot(scaled, view.forward), dot(scaled, view.side), dot(scaled, view.up));
   vec3 smooth_part = textureLod(sky_view_tex, uv, 0.0).rgb;
   vec3 mie = textureLod(sky_view_tex, vec2(uv.x, uv.y + view.part_v), 0.0).rgb;
   transmittance = textureLod(sky_view_tex, vec2(uv.x, uv.y + 2.0 * view.part_v), 0.0).rgb;
@@ -91,7 +94,7 @@ vec3 sky_view_light(int i, vec3 dir, out vec3 transmittance) {
 
 // Light of the sky without discs and stars, to space or, when hits_ground, to the ellipsoid, and the transmittance. `view` is
 // the camera's sky view.
-vec3 sky_light(AirRay ray, vec3 dir, int view, bool hits_ground, out vec3 transmittance) {
+vec3 sky_light(AirRay ray, vec3 dir, SkyView view, bool hits_ground, out vec3 transmittance) {
   transmittance = vec3(1);
   vec3 light = vec3(0);
   if (!ray.in_air) return light;
@@ -117,6 +120,9 @@ vec3 light_to_point(AirRay ray, float distance_m, float shadow_m, out vec3 colum
 
 // --- with the lights of a frame ------------------------------------------------------------------------------------
 
+// Number of lights. Mesa's software driver compiles a shader anew, or spends 10 ms to find that it has, for every value of a
+// uniform that a condition depends on alone; this one also depends on a number in [-1, 1] of the pixel.
+int count_lights(FrameConstants frame, float of_pixel) { return int(frame.light_count) + int(0.5 * of_pixel); }
 vec3 light_dir(FrameConstants frame, int light) { return light == 0 ? frame.sun_dir : frame.moon_dir; }
 // Of the light per sunlight at 1 au, times the factor to luminance.
 vec3 light_factor(FrameConstants frame, int light) {
@@ -127,7 +133,7 @@ vec3 light_factor(FrameConstants frame, int light) {
 // `distance_m` true metres along `dir`.
 vec3 air_luminance(FrameConstants frame, vec3 dir, bool to_space, float distance_m, out vec3 transmittance) {
   vec3 luminance = vec3(0);
-  for (int i = 0; i < int(frame.light_count); ++i) {
+  for (int i = 0; i < count_lights(frame, dir.x); ++i) {
     AirRay ray = air_ray_from(frame.planet, frame.camera_up, light_dir(frame, i), dir);
     bool by_view = to_space && ray.has_view;
     float length_m = distance_to_top(atmosphere.air, ray.h, ray.mu);
@@ -135,16 +141,17 @@ vec3 air_luminance(FrameConstants frame, vec3 dir, bool to_space, float distance
     vec3 columns;
     vec3 light = path_light(ray, ray.in_air && !by_view ? max(length_m, 0.0) : 0.0, 0.0, columns);
     transmittance = transmittance_of(ray.in_air ? columns : vec3(0));
-    if (by_view) light = sky_view_light(i, dir, transmittance);
+    if (by_view) light = sky_view_light(sky_views.data[i], dir, transmittance);
     luminance += light * light_factor(frame, i);
   }
   return luminance;
 }
 
-// The same for a ray to space from a camera that has sky views: three reads per light.
-vec3 sky_view_luminance(FrameConstants frame, vec3 dir, out vec3 transmittance) {
-  vec3 luminance = vec3(0);
-  for (int i = 0; i < int(frame.light_count); ++i) luminance += sky_view_light(i, dir, transmittance) * light_factor(frame, i);
+// The same for a ray to space from a camera that has sky views: three reads per light. `moon` is a constant, false where
+// light_count is known to be 1.
+vec3 sky_view_luminance(FrameConstants frame, vec3 dir, const bool moon, out vec3 transmittance) {
+  vec3 luminance = sky_view_light(sky_views.data[0], dir, transmittance) * light_factor(frame, 0);
+  if (moon && count_lights(frame, dir.x) > 1) luminance += sky_view_light(sky_views.data[1], dir, transmittance) * light_factor(frame, 1);
   return luminance;
 }
 
@@ -164,7 +171,7 @@ vec3 transmittance_to_space(FrameConstants frame, vec3 dir) {
 vec3 aerial_perspective(FrameConstants frame, vec3 dir, float distance_m, float shadow_m, out vec3 transmittance) {
   vec3 luminance = vec3(0);
   vec3 columns = vec3(0);
-  for (int i = 0; i < int(frame.light_count); ++i) {
+  for (int i = 0; i < count_lights(frame, dir.x); ++i) {
     AirRay ray = air_ray_from(frame.planet, frame.camera_up, light_dir(frame, i), dir);
     luminance += light_to_point(ray, distance_m, shadow_m, columns) * light_factor(frame, i);
   }
@@ -226,7 +233,7 @@ vec3 irradiance_part(float height_m, float mu_s, int part) {
 }
 vec3 irradiance_of_lights(FrameConstants frame, float height_m, vec3 up, int part) {
   vec3 sum = vec3(0);
-  for (int i = 0; i < int(frame.light_count); ++i)
+  for (int i = 0; i < count_lights(frame, up.x); ++i)
     sum += irradiance_part(height_m, dot(up, light_dir(frame, i)), part) * light_factor(frame, i);
   return sum;
 }
@@ -247,7 +254,7 @@ vec3 mirrored_sky_luminance(FrameConstants frame, vec3 up, vec3 dir) {
   AtmosphereUniform air = atmosphere.air;
   float v = texel_coord(unit_from_sky_mu(air, 0.0, max(dot(up, dir), 0.0)), kMirrorMu);
   vec3 sum = vec3(0);
-  for (int i = 0; i < int(frame.light_count); ++i) {
+  for (int i = 0; i < count_lights(frame, dir.x); ++i) {
     vec3 light = light_dir(frame, i);
     float nu = clamp(dot(dir, light), -1.0, 1.0);
     float x = unit_from_nu(nu), y = unit_from_mu_s(air, dot(up, light));

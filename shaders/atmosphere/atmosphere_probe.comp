@@ -3,6 +3,7 @@
 // Answers questions to the atmosphere's own lookup functions: tests, and `nepho probe`.
 #include "atmosphere/atmosphere_probe_shared.h"
 #define ATMOSPHERE_BINDING 2
+#define ATMOSPHERE_MANY_VIEWS
 #include "atmosphere/atmosphere_lookup.glsl"
 layout(local_size_x = 32) in;
 layout(scalar, set = 0, binding = 0) readonly buffer CaseBlock { AtmosphereCase data[]; } cases;
@@ -18,7 +19,7 @@ void main() {
   AirRay ray = air_ray_from(c.planet, c.camera_up, c.sun_dir, c.dir);
   vec3 columns = vec3(0);
   if (push.kind == kProbeSkyRadiance) {
-    answer.a = sky_light(ray, c.dir, int(c.view), c.hits_ground != 0u, answer.b);
+    answer.a = sky_light(ray, c.dir, sky_views.data[c.view], c.hits_ground != 0u, answer.b);
   } else if (push.kind == kProbeRadianceToPoint) {
     answer.a = light_to_point(ray, c.distance_m, c.shadow_m, columns);
     answer.b = transmittance_of(columns);
@@ -35,7 +36,7 @@ void main() {
     answer.a = transmittance_of(sampled_columns_to_top(air, c.h, c.mu));
   } else if (push.kind == kProbeLuminance) {
     vec3 transmittance;
-    answer.a = sky_light(ray, c.dir, int(c.view), c.hits_ground != 0u, transmittance) * air.luminance_factor;
+    answer.a = sky_light(ray, c.dir, sky_views.data[c.view], c.hits_ground != 0u, transmittance) * air.luminance_factor;
     answer.b = light_to_point(ray, c.distance_m, 0.0, columns) * air.luminance_factor;
   } else if (push.kind == kProbeSunSky) {
     answer.a = atmosphere.spectrum[0].solar_irradiance * sun_transmittance(c.h, c.mu_s) * max(dot(c.dir, c.sun_dir), 0.0);

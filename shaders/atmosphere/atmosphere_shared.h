@@ -17,8 +17,8 @@ SHARED_CONST int kAirNu = 8;        // view-sun angles
 SHARED_CONST int kSourceMu = 32;    // view zenith cosines of the source function, all directions
 SHARED_CONST int kMirrorMu = 48;    // elevations of the sky seen from the sea
 SHARED_CONST int kIrradianceParts = 3;  // stacked in v: horizontal irradiance, mean radiance above, below
-SHARED_CONST int kSkyAzimuths = 32;     // of a sky view, sun's azimuth to the one opposite
-SHARED_CONST int kSkyRows = 128;        // horizon to zenith
+SHARED_CONST int kSkyAzimuths = 24;     // of a sky view, sun's azimuth to the one opposite
+SHARED_CONST int kSkyRows = 112;        // horizon to zenith
 SHARED_CONST int kSkyParts = 3;         // stacked: without aerosol, single scattering by aerosol, transmittance
 SHARED_CONST int kSkyViewsWide = 64;    // sky views side by side in their image; more go below
 // The spectrum: wavelengths in threes, a vec3 each. One group is 680, 550, 440 nm.
@@ -339,35 +339,47 @@ SHARED_FN vec3 local_direction(float mu, float phi) {
 // --- the sky seen from one place -----------------------------------------------------------------------------------
 
 // One camera within the air and one light. Axes in scaled space: elevation is measured from the sphere's own vertical,
-// so that the horizon is at dip everywhere; azimuth from the light. The other half of the azimuths is the mirror image
+// so that the horizon is as deep everywhere; azimuth from the light. The other half of the azimuths is the mirror image
 // (to 1e-4: phase functions do not come from here).
 struct SkyView {
-  vec3 up;       // unit, scaled space
-  float h;       // scaled height
-  vec3 forward;  // unit, scaled space, towards the light's azimuth
-  float dip_rad; // of the horizon, >= 0
-  vec3 light_dir;  // unit, true space
-  float mu_s;    // light's cosine to the geodetic normal
+  vec3 up;          // unit, scaled space
+  float h;          // scaled height
+  vec3 forward;     // unit, scaled space, towards the light's azimuth
+  float horizon_t;  // tan of half the dip of the horizon, >= 0
+  vec3 side;        // up x forward
+  float mu_s;       // light's cosine to the geodetic normal
+  vec3 light_dir;   // unit, true space
   float a_over_b;
-  float split;   // share of rows below the horizontal
-  vec2 uv_origin;  // of its first texel's centre in the image of all views
-  vec2 uv_span;    // to its last texel's centre
-  float part_v;    // from one of the three parts to the next: without aerosol, aerosol, transmittance
+  float split;      // share of rows below the horizontal
+  vec2 uv_origin;   // of its first texel's centre in the image of all views
+  vec2 uv_span;     // to its last texel's centre
+  float part_v;     // from one of the three parts to the next: without aerosol, aerosol, transmittance
 };
 
 SHARED_FN float sky_view_split(float dip_rad) { return 0.45f * dip_rad / (dip_rad + 0.06f); }
 
-// Rows: below the horizontal theta = dip w^2 above the horizon, so that tangent heights near the ground are dense;
-// above it, elevation = pi/2 w^2.
-SHARED_FN float sky_row_unit(SkyView view, float elevation_rad) {
-  float w_low = sqrt(clamp((elevation_rad + view.dip_rad) / max(view.dip_rad, 1.0e-6f), 0.0f, 1.0f));
-  float w_high = sqrt(clamp(elevation_rad * (2.0f / kPi), 0.0f, 1.0f));
-  return view.split * w_low + (1.0f - view.split) * w_high;
+// A direction's place in a sky view, 0..1 each, from its components along forward, side and up (any length). No function
+// dearer than a square root: every pixel of a sky comes here.
+//   azimuth: the 'diamond angle' 1/2 - c / (2 (|c| + |s|)), within 8 % of even in the angle;
+//   row: with t = tan(elevation / 2), the share `split` of the rows below the horizontal as sqrt of the way up from the
+//   horizon, so that tangent heights near the ground are dense, the others as sqrt(t).
+SHARED_FN vec2 sky_view_unit(SkyView view, float c, float s, float up) {
+  float level2 = c * c + s * s;
+  float t = up / (sqrt(level2 + up * up) + sqrt(level2));
+  float azimuth = 0.5f - 0.5f * c / max(abs(c) + abs(s), 1.0e-12f);
+  float low = sqrt(clamp((t + view.horizon_t) / max(view.horizon_t, 1.0e-7f), 0.0f, 1.0f));
+  float high = sqrt(clamp(t, 0.0f, 1.0f));
+  return vec2(azimuth, view.split * low + (1.0f - view.split) * high);
 }
-SHARED_FN float sky_row_elevation(SkyView view, float unit) {
-  float low = clamp(unit / max(view.split, 1.0e-6f), 0.0f, 1.0f);
-  float high = clamp((unit - view.split) / (1.0f - view.split), 0.0f, 1.0f);
-  return view.dip_rad * (low * low - 1.0f) + 0.5f * kPi * high * high;
+// And back: unit vector (forward, side, up).
+SHARED_FN vec3 sky_view_direction(SkyView view, vec2 unit) {
+  float low = clamp(unit.y / max(view.split, 1.0e-6f), 0.0f, 1.0f);
+  float high = clamp((unit.y - view.split) / (1.0f - view.split), 0.0f, 1.0f);
+  float t = view.horizon_t * (low * low - 1.0f) + high * high;
+  float c = 1.0f - 2.0f * unit.x;
+  float s = 1.0f - abs(c);
+  float inv = (1.0f - t * t) / ((1.0f + t * t) * sqrt(c * c + s * s));
+  return vec3(c * inv, s * inv, 2.0f * t / (1.0f + t * t));
 }
 
 SHARED_END

@@ -4,7 +4,7 @@
 // single scattering by aerosol without its phase function, and the transmittance to space.
 #define ATMOSPHERE_BINDING 0
 #include "atmosphere/atmosphere_light.glsl"
-layout(local_size_x = 32, local_size_y = 2) in;
+layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 3, scalar) readonly buffer SkyViewBlock { SkyView data[]; } sky_views;
 layout(set = 0, binding = 4, rgba32f) uniform writeonly image2D out_sky_view;
 
@@ -12,11 +12,9 @@ void main() {
   ivec3 at = ivec3(gl_GlobalInvocationID);
   if (at.x >= kSkyAzimuths || at.y >= kSkyRows) return;
   SkyView view = sky_views.data[at.z];
-  float elevation = sky_row_elevation(view, unit_from_texel(at.y, kSkyRows));
-  float azimuth = kPi * unit_from_texel(at.x, kSkyAzimuths);
-  float mu = sin(elevation);
-  vec3 side = cross(view.up, view.forward);
-  vec3 scaled = cos(elevation) * (cos(azimuth) * view.forward + sin(azimuth) * side) + mu * view.up;
+  vec3 local = sky_view_direction(view, vec2(unit_from_texel(at.x, kSkyAzimuths), unit_from_texel(at.y, kSkyRows)));
+  float mu = local.z;
+  vec3 scaled = local.x * view.forward + local.y * view.side + mu * view.up;
   vec3 dir = normalize(vec3(scaled.x, scaled.y, scaled.z / view.a_over_b));
   float nu = clamp(dot(dir, view.light_dir), -1.0, 1.0);
   float length_m = distance_to_top(atmosphere.air, view.h, mu);

@@ -6,7 +6,7 @@
 #include "common/water.h"
 #include "render/render_shared.h"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 16, local_size_y = 16) in;  // a tile
 layout(set = 0, binding = 0, scalar) uniform FrameBlock { FrameConstants frame_data; } frame;
 layout(set = 0, binding = 1) uniform sampler2D depth_m;         // m along the ray, kFarDepth_m for the sky
 layout(set = 0, binding = 2) uniform sampler2D albedo;          // a: 0 sky, 1 land, 2 water

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Share of the sun's light that clouds let through to the surface of every pixel.
 #include "common/frame.h"
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 16, local_size_y = 16) in;  // a tile
 layout(set = 0, binding = 0, scalar) uniform FrameBlock { FrameConstants frame_data; } frame;
 #define CLOUD_BINDING 1
 #include "clouds/cloud_shadow_march.glsl"

@@ -4,7 +4,7 @@
 #include "common/frame.h"
 #include "terrain/terrain_shared.h"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+layout(local_size_x = 16, local_size_y = 16) in;  // a tile
 layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
 layout(scalar, set = 0, binding = 1) readonly buffer TileBlock { TerrainTile at[]; } tiles;
 layout(set = 0, binding = 2) uniform sampler2D depth_tex;

@@ -67,7 +67,7 @@ std::vector<AtmosphereProbe::Answer> AtmosphereProbe::ask_batch(uint32_t kind, s
   const BufferRef out = graph.create_buffer("answers", cases.size() * sizeof(Answer));
   graph.keep(out);
   auto pass = graph.pass("atmosphere.probe");
-  AtmosphereTables::bind(pass, refs);
+  AtmosphereTables::bind(pass, refs, AtmosphereTables::Views::many);
   pass.read("cases", in).write("answers", out).record([this, kind, count](gpu::Commands& cmd) {
     cmd.bind(pipeline_).push(Push{kind, count}).dispatch_threads(count);
   });

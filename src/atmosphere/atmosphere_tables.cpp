@@ -121,12 +121,14 @@ AtmosphereTables::Refs AtmosphereTables::add(FrameGraph& graph, std::span<const 
   if (views.empty()) {
     // Bound, but never read: every ray of such a camera is integrated.
     refs.sky_view = refs.transmittance;
-    refs.sky_views = graph.constants("sky_views", shared::SkyView{});
+    refs.sky_views = graph.constants("sky_views", std::array<shared::SkyView, 2>{});
     return refs;
   }
   const auto count = static_cast<uint32_t>(views.size());
   const glm::uvec2 extent = sky_view_extent(static_cast<int>(count));
-  refs.sky_views = graph.constants("sky_views", views.data(), views.size_bytes());
+  std::vector<shared::SkyView> at_least_two(views.begin(), views.end());  // shaders declare two
+  at_least_two.resize(std::max<size_t>(views.size(), 2));
+  refs.sky_views = graph.constants("sky_views", at_least_two);
   refs.sky_view = graph.create("atmosphere.sky_view", {.extent = {extent.x, extent.y}, .format = Format::rgba32f});
   graph.pass("atmosphere.sky_view")
       .uniform("atmosphere", refs.params)
@@ -140,14 +142,17 @@ AtmosphereTables::Refs AtmosphereTables::add(FrameGraph& graph, std::span<const 
   return refs;
 }
 
-void AtmosphereTables::bind(FrameGraph::PassBuilder& pass, const Refs& refs) {
+void AtmosphereTables::bind(FrameGraph::PassBuilder& pass, const Refs& refs, Views views) {
   pass.uniform("atmosphere", refs.params)
       .sample("transmittance_tex", refs.transmittance)
       .sample("irradiance_tex", refs.irradiance)
       .sample("source_tex", refs.source)
       .sample("mirror_tex", refs.mirror)
-      .sample("sky_view_tex", refs.sky_view)
-      .read("sky_views", refs.sky_views);
+      .sample("sky_view_tex", refs.sky_view);
+  if (views == Views::of_a_frame)
+    pass.uniform("sky_views", refs.sky_views);
+  else
+    pass.read("sky_views", refs.sky_views);
 }
 
 }  // namespace nepho

@@ -44,7 +44,8 @@ class AtmosphereTables {
   /// above the air.
   Refs add(FrameGraph& graph, std::span<const shared::SkyView> views) const;
   /// Declares everything that shaders/atmosphere/atmosphere_lookup.glsl binds.
-  static void bind(FrameGraph::PassBuilder& pass, const Refs& refs);
+  enum class Views { of_a_frame, many };  ///< many: for shaders with ATMOSPHERE_MANY_VIEWS
+  static void bind(FrameGraph::PassBuilder& pass, const Refs& refs, Views views = Views::of_a_frame);
   /// Specialisation constant 0 of every shader that includes it.
   uint32_t spectral_groups() const { return static_cast<uint32_t>(constants_.spectral_groups); }
 

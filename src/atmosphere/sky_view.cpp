@@ -6,7 +6,7 @@
 
 namespace nepho {
 
-static_assert(sizeof(shared::SkyView) == 19 * 4);
+static_assert(sizeof(shared::SkyView) == 22 * 4);
 
 glm::uvec2 sky_view_extent(int count) {
   const int wide = std::min(count, shared::kSkyViewsWide);
@@ -35,8 +35,10 @@ shared::SkyView make_sky_view(const shared::AtmosphereUniform& air, const shared
   view.mu_s = std::clamp(glm::dot(camera_up, light_dir), -1.0f, 1.0f);
   view.h = std::clamp(shared::scaled_height_from_f(planet, planet.camera_f_m2), 0.0f, air.top_m);
   const double R = air.radius_m, h = view.h;
-  view.dip_rad = static_cast<float>(std::asin(std::min(1.0, std::sqrt(h * (2.0 * R + h)) / (R + h))));
-  view.split = shared::sky_view_split(view.dip_rad);
+  view.side = glm::vec3(glm::cross(up, glm::dvec3(view.forward)));
+  const double dip_rad = std::asin(std::min(1.0, std::sqrt(h * (2.0 * R + h)) / (R + h)));
+  view.horizon_t = static_cast<float>(std::tan(0.5 * dip_rad));
+  view.split = shared::sky_view_split(static_cast<float>(dip_rad));
 
   const glm::vec2 size(sky_view_extent(count));
   const glm::vec2 first(static_cast<float>(index % shared::kSkyViewsWide * shared::kSkyAzimuths),

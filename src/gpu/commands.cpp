@@ -116,6 +116,18 @@ Commands& Commands::draw(uint32_t vertex_count, uint32_t instance_count) {
   return *this;
 }
 
+Commands& Commands::fill(const std::string& name, float r, float g, float b, float a) {
+  for (const Bound& found : bound_)
+    if (found.use->binding == name && found.image && found.use->access == Access::transfer_target) {
+      const VkClearColorValue value{.float32 = {r, g, b, a}};
+      const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, VK_REMAINING_MIP_LEVELS, 0,
+                                        VK_REMAINING_ARRAY_LAYERS};
+      vkCmdClearColorImage(cmd_, found.image->handle(), VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &value, 1, &all);
+      return *this;
+    }
+  throw fail(ErrorKind::failure, "pass {}: no image '{}' is declared to be filled", pass_->name, name);
+}
+
 Commands& Commands::zero(const std::string& name) {
   for (const Bound& b : bound_)
     if (b.use->binding == name && b.use->access == Access::transfer_target && b.buffer) {

@@ -28,6 +28,8 @@ class Commands {
   Commands& draw(uint32_t vertex_count, uint32_t instance_count = 1);
   /// Fills a buffer that the pass declares with PassBuilder::zero().
   Commands& zero(const std::string& name);
+  /// Fills a colour image that the pass declares with PassBuilder::fill().
+  Commands& fill(const std::string& name, float r, float g = 0, float b = 0, float a = 0);
   /// Makes writes of earlier dispatches of this same pass visible to later ones.
   Commands& barrier();
   VkCommandBuffer handle() const { return cmd_; }

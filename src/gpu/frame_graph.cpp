@@ -93,6 +93,9 @@ Builder& Builder::write(const std::string& binding, BufferRef buffer) {
 Builder& Builder::read_write(const std::string& binding, BufferRef buffer) {
   return use({.resource = buffer.index, .access = Access::storage_read_write, .binding = binding});
 }
+Builder& Builder::fill(const std::string& name, ImageRef image) {
+  return use({.resource = image.index, .access = Access::transfer_target, .binding = name});
+}
 Builder& Builder::zero(const std::string& name, BufferRef buffer) {
   return use({.resource = buffer.index, .access = Access::transfer_target, .binding = name});
 }

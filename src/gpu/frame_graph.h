@@ -94,6 +94,7 @@ class FrameGraph {
     PassBuilder& read(const std::string& binding, BufferRef buffer);  ///< storage buffer
     PassBuilder& write(const std::string& binding, BufferRef buffer);
     PassBuilder& read_write(const std::string& binding, BufferRef buffer);
+    PassBuilder& fill(const std::string& name, ImageRef image);  ///< for Commands::fill(name)
     PassBuilder& zero(const std::string& name, BufferRef buffer);  ///< for Commands::zero(name)
     PassBuilder& index_buffer(BufferRef buffer);
     PassBuilder& indirect(BufferRef buffer);  ///< holds group counts, see Commands::dispatch_indirect

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/log.h"
+#include "common/pixel_tiles.h"
 #include "gpu/commands.h"
 #include "terrain/parallel.h"
 #include "terrain/terrain.frag.h"
@@ -45,9 +46,11 @@ TerrainView view_of(const FrameInfo& frame, const TerrainParams& params, double 
   return view;
 }
 
+uint32_t tiles_along(uint32_t pixels) { return (pixels + shared::kPixelTile - 1) / shared::kPixelTile; }
+
 /// An empty list with room for every tile of the picture.
 BufferRef no_pixel_tiles(FrameGraph& graph, const std::string& name, Extent2D extent) {
-  std::vector<uint32_t> list(4 + size_t{(extent.width + 7) / 8} * ((extent.height + 7) / 8), 0u);
+  std::vector<uint32_t> list(4 + size_t{tiles_along(extent.width)} * tiles_along(extent.height), 0u);
   list[1] = list[2] = 1u;
   return graph.constants(name, list);
 }
@@ -288,10 +291,12 @@ Terrain::Outputs Terrain::add(FrameGraph& graph, const FrameInfo& frame) const {
       .sample("depth_tex", depth, Sampler::nearest_clamp)
       .read_write("surface_tiles", out.surface_tiles)
       .read_write("sky_tiles", out.sky_tiles)
-      .write("out_depth_m", out.depth_m)
-      .write("out_albedo", out.albedo)
+      .fill("depth_m", out.depth_m)
+      .fill("albedo", out.albedo)
       .record([this, extent = frame.extent](gpu::Commands& cmd) {
-        cmd.bind(classify_pipeline_).dispatch_threads((extent.width + 7) / 8, (extent.height + 7) / 8);
+        // What sky tiles hold; the others get theirs from terrain.resolve.
+        cmd.fill("depth_m", shared::kFarDepth_m).fill("albedo", 0.0f);
+        cmd.bind(classify_pipeline_).dispatch_threads(tiles_along(extent.width), tiles_along(extent.height));
       });
   graph.pass("terrain.resolve")
       .uniform("frame", frame.buffer)

@@ -46,7 +46,7 @@ class Terrain {
     ImageRef albedo;    ///< rgba16f: linear Rec. 709; a: 0 sky, 1 land, 2 water (whose rgb is 0)
     ImageRef normal;    ///< rgba16f: unit normal, ECEF axes; of water the geodetic normal; sky tiles undefined
     ImageRef emission;  ///< rgba16f: night lights, linear, 1 the brightest; black without any; sky tiles undefined
-    /// The tiles of 8 x 8 pixels that show some ground, and those that do not (shaders/common/pixel_tiles.glsl).
+    /// The tiles of kPixelTile^2 pixels that show some ground, and those that do not (shaders/common/pixel_tiles.glsl).
     BufferRef surface_tiles, sky_tiles;
   };
   /// Draws what prepare() selected: passes "terrain.raster", "terrain.classify" and "terrain.resolve".

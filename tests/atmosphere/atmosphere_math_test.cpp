@@ -122,7 +122,7 @@ TEST_CASE("table coordinates reach the ends: zenith, horizon, overhead sun, lowe
     CHECK(unit_from_sky_mu(air, h, horizon_mu(air, h)) == doctest::Approx(1.0).epsilon(1e-4));
   }
   CHECK(unit_from_mu_s(air, 1.0f) == doctest::Approx(1.0).epsilon(1e-4));
-  CHECK(unit_from_mu_s(air, -0.2079117f) == doctest::Approx(0.0).epsilon(1e-4));
+  CHECK(unit_from_mu_s(air, air.min_mu_s) == doctest::Approx(0.0).epsilon(1e-4));
   CHECK(unit_from_mu_s(air, -1.0f) == 0.0f);
 }
 
@@ -222,7 +222,8 @@ TEST_CASE("a path is cut where it enters the planet's shadow") {
   const float nu = std::cos((180.0f - 10.0f + 5.0f) * kPi / 180.0f);
   const float length = distance_to_top(demo(), 0.0f, mu);
   const PathPanels p = path_panels(demo(), 0.0f, mu, mu_s, nu, length, length);
-  REQUIRE(p.count == 2);
+  REQUIRE(p.count == 3);  // the shadow's edge, and the cut of long paths at 200 km
+  CHECK(p.cut_m.y == kLongPath_m);
   const glm::dvec2 s(std::cos(-5.0 * 3.14159265358979 / 180.0), std::sin(-5.0 * 3.14159265358979 / 180.0));
   const double angle = (180.0 - 10.0) * 3.14159265358979 / 180.0, t = static_cast<double>(p.cut_m.x);
   const glm::dvec2 point = glm::dvec2(0.0, 6360000.0) + t * glm::dvec2(std::cos(angle), std::sin(angle));
@@ -230,20 +231,30 @@ TEST_CASE("a path is cut where it enters the planet's shadow") {
   CHECK(path_panels(demo(), 0.0f, mu, 0.5f, 0.2f, length, length).count == 1);  // by day
 }
 
-TEST_CASE("rows of a sky view map to elevations and back, from the horizon to the zenith") {
+TEST_CASE(
+    "texels of a sky view map to directions and back, from the horizon to the zenith, towards the light and away") {
   for (const float dip_deg : {0.02f, 0.5f, 3.0f, 10.0f}) {
     SkyView view{};
-    view.dip_rad = dip_deg * kPi / 180.0f;
-    view.split = sky_view_split(view.dip_rad);
-    CHECK(sky_row_elevation(view, 0.0f) == doctest::Approx(-view.dip_rad));
-    CHECK(sky_row_elevation(view, 1.0f) == doctest::Approx(0.5f * kPi));
+    const float dip_rad = dip_deg * kPi / 180.0f;
+    view.horizon_t = std::tan(0.5f * dip_rad);
+    view.split = sky_view_split(dip_rad);
+    CHECK(sky_view_direction(view, {0.0f, 0.0f}).z == doctest::Approx(-std::sin(dip_rad)));
+    CHECK(sky_view_direction(view, {0.3f, 1.0f}).z == doctest::Approx(1.0));
     float last = -1.0f;
-    for (int i = 0; i < kSkyRows; ++i) {
-      const float unit = unit_from_texel(i, kSkyRows), e = sky_row_elevation(view, unit);
-      CHECK(e > last);
-      last = e;
-      CHECK(std::abs(sky_row_unit(view, e) - unit) < 2e-4f);
-    }
+    for (int i = 0; i < kSkyRows; ++i)
+      for (int j = 0; j < kSkyAzimuths; ++j) {
+        const glm::vec2 unit(unit_from_texel(j, kSkyAzimuths), unit_from_texel(i, kSkyRows));
+        const glm::vec3 d = sky_view_direction(view, unit);
+        CHECK(length(d) == doctest::Approx(1.0));
+        if (j == 0) {
+          CHECK(d.x >= 0.0f);
+          CHECK(d.z > last);
+          last = d.z;
+        }
+        const glm::vec2 back = sky_view_unit(view, 3.0f * d.x, -3.0f * d.y, 3.0f * d.z);  // any length, either side
+        CHECK(std::abs(back.y - unit.y) < 3e-4f);
+        if (i + 1 < kSkyRows) CHECK(std::abs(back.x - unit.x) < 1e-4f);  // at the zenith all azimuths are one
+      }
   }
 }
 
@@ -287,8 +298,7 @@ TEST_CASE("parameters that make no sense are refused by name") {
         }).starts_with("atmosphere.mie.extinction_per_m"));
   CHECK(refused([](AtmosphereParams& p) {
           p.mie.scattering_per_m.x = 1.0;
-        }).starts_with("atmosphere.mie.scattering_per_m"));
-  CHECK(
-      refused([](AtmosphereParams& p) { p.top_height_m = 5000.0; }).starts_with("atmosphere.rayleigh.scale_height_m"));
+        }).starts_with("atmosphere.mie.extinction_per_m[0]"));
+  CHECK(refused([](AtmosphereParams& p) { p.top_height_m = 5000.0; }).starts_with("atmosphere.top_height_m"));
   CHECK(refused([](AtmosphereParams& p) { p.scattering_orders = 0; }).starts_with("atmosphere.scattering_orders"));
 }
