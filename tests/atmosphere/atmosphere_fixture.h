@@ -28,8 +28,11 @@ class AtmosphereFixture : public GpuFixture {
     ::setenv("NEPHO_CACHE", NEPHO_TEST_CACHE, 1);
     const auto tables = std::make_shared<const AtmosphereTables>(device, params);
     kept.push_back(std::make_unique<AtmosphereProbe>(device, tables));
-    MESSAGE("tables of " << params.scattering_orders << " orders: " << tables->build_ms()
-                         << " ms, from cache: " << tables->came_from_cache());
+    double gpu_ms = 0.0;
+    for (const auto& [step, ms] : tables->step_ms()) gpu_ms += ms;
+    MESSAGE("tables of " << params.scattering_orders << " orders, " << params.spectral << ": " << tables->build_ms()
+                         << " ms, " << gpu_ms << " ms of them on " << device.info().name
+                         << ", from cache: " << tables->came_from_cache());
     return *kept.back();
   }
 };

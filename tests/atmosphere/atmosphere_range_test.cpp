@@ -162,3 +162,17 @@ TEST_CASE("at noon the sky is thousands of cd/m2 and blue, the sun lights the gr
   CHECK(glm::dot(lux, glm::vec3(0.2126f, 0.7152f, 0.0722f)) > 85000.0f);
   CHECK(glm::dot(lux, glm::vec3(0.2126f, 0.7152f, 0.0722f)) < 110000.0f);
 }
+
+TEST_CASE("the default air has all its orders and wavelengths, and its noon sky is brighter than its ground is dark") {
+  AtmosphereFixture gpu;
+  const AtmosphereParams air = AtmosphereParams::earth();
+  REQUIRE(air.spectral == "full");
+  const glm::dvec3 camera = point_above(glm::dvec3(1, 0, 0), 100.0), sun(0.8, 0.6, 0.0);
+  const auto up = view_case(camera, {1.0, 0.2, 0.1}, sun, false, Ellipsoid::wgs84());
+  const auto down = view_case(camera, {-1.0, 0.2, 0.1}, sun, true, Ellipsoid::wgs84());
+  const auto answers = gpu.ask(air, shared::kProbeLuminance, {up, down});
+  const auto luminance = [](const glm::vec3& c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; };
+  CHECK(luminance(answers[0].a) > 1000.0f);
+  CHECK(luminance(answers[0].a) < 20000.0f);
+  CHECK(luminance(answers[1].a) < 0.1f * luminance(answers[0].a));  // 100 m of air
+}
