@@ -3,6 +3,7 @@
 // Marches one cloud layer between its two shells for every pixel. Writes premultiplied luminance with its aerial
 // perspective and transmittance; and depth, optical depth, layer and step count.
 #include "common/frame.h"
+#include "common/gamut.h"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
 #define CLOUD_BINDING 1
@@ -238,6 +239,6 @@ void main() {
     vec3 air = aerial_perspective(frame.frame_data, dir, mean_m, 0.0, air_transmittance);
     radiance = radiance * air_transmittance + air * (1.0 - transmittance);
   }
-  imageStore(out_radiance, pixel, vec4(radiance, transmittance));
+  imageStore(out_radiance, pixel, vec4(within_rec709(radiance), transmittance));
   imageStore(out_info, pixel, vec4(mean_m, tau, weight_sum > 0.0 ? 1.0 : 0.0, float(steps)));
 }

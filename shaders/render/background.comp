@@ -3,6 +3,7 @@
 // What lies behind the clouds, as the camera sees it through clear air: the lit surface, or the sky with its stars. Sun and
 // moon come later (discs.comp).
 #include "common/frame.h"
+#include "common/gamut.h"
 #include "common/water.h"
 #include "render/render_shared.h"
 
@@ -73,5 +74,5 @@ void main() {
   else if (kNight)
     behind = stars_luminance(f, pixel) * through;
   if (kNight) behind += airglow_luminance(f, dir, !is_sky, through) + night_air_luminance(through);
-  imageStore(background, pixel, vec4(air + behind, 1.0));
+  imageStore(background, pixel, vec4(within_rec709(air + behind), 1.0));
 }

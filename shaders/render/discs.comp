@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // The discs of sun and moon, over the part of the picture that they may cover. The moon hides the sun, and both hide stars.
 #include "common/frame.h"
+#include "common/gamut.h"
 #include "render/render_shared.h"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 0, scalar) uniform FrameBlock { FrameConstants frame_data; } frame;
@@ -24,5 +25,5 @@ void main() {
   float hidden = moon_cover(f, dir);
   vec3 discs = moon_disc_luminance(f, dir) + sun_disc_luminance(f, dir, vec3(1.0)) * (1.0 - hidden);
   if (kNight) discs -= stars_luminance(f, pixel) * hidden;
-  imageStore(background, pixel, vec4(max(imageLoad(background, pixel).rgb + discs * through, vec3(0)), 1.0));
+  imageStore(background, pixel, vec4(within_rec709(imageLoad(background, pixel).rgb + discs * through), 1.0));
 }

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Tiles of nothing but sky, seen from within the air, by its sky views; stars and airglow at night.
 #include "common/frame.h"
+#include "common/gamut.h"
 layout(local_size_x = 16, local_size_y = 16) in;  // a tile
 layout(set = 0, binding = 0, scalar) uniform FrameBlock { FrameConstants frame_data; } frame;
 layout(set = 0, binding = 6, rgba32f) uniform writeonly image2D background;
@@ -23,5 +24,5 @@ void main() {
     result += stars_luminance(frame.frame_data, pixel) * through;
     result += airglow_luminance(frame.frame_data, dir, false, through) + night_air_luminance(through);
   }
-  imageStore(background, pixel, vec4(result, 1.0));
+  imageStore(background, pixel, vec4(within_rec709(result), 1.0));
 }
