@@ -3,6 +3,8 @@
 
 #include <doctest/doctest.h>
 
+#include <initializer_list>
+
 using nepho::shared::within_rec709;
 
 namespace {
