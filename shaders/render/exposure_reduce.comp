@@ -14,15 +14,15 @@ shared float local_bins[kHistogramBins];
 
 const float kBinLog2 = (kHistogramMaxLog2 - kHistogramMinLog2) / float(kHistogramBins);
 
-// Counted values from bin `first` on, and the log2 luminance below which 99 % of them lie.
-float count_from(uint first, out float bright_log2) {
+// Counted values from bin `first` on, and the log2 luminance that only `share` of them exceed.
+float count_from(uint first, float share, out float bright_log2) {
   float total = 0.0;
   for (uint i = first; i < kHistogramBins; ++i) total += local_bins[i];
   float above = 0.0;
   bright_log2 = kHistogramMinLog2;
   for (uint i = kHistogramBins; i > first; --i) {
     float n = local_bins[i - 1u];
-    if (above < 0.01 * total) bright_log2 = kHistogramMinLog2 + kBinLog2 * (float(i) - min((0.01 * total - above) / max(n, 1.0), 1.0));
+    if (above < share * total) bright_log2 = kHistogramMinLog2 + kBinLog2 * (float(i) - min((share * total - above) / max(n, 1.0), 1.0));
     above += n;
   }
   return total;
@@ -30,10 +30,12 @@ float count_from(uint first, out float bright_log2) {
 
 float metered_ev100() {
   float bright_log2;
-  if (count_from(0u, bright_log2) == 0.0) return push.min_ev100;
+  if (count_from(0u, 0.01, bright_log2) == 0.0) return push.min_ev100;
   // A millionth of the brightest is black too: space with its stars beside the sunlit Earth.
   uint first = uint(max((bright_log2 - 20.0 - kHistogramMinLog2) / kBinLog2, 0.0));
-  float total = count_from(first, bright_log2);
+  float large_log2;
+  float total = count_from(first, 0.1, large_log2);
+  count_from(first, 0.01, bright_log2);
   float low = 0.10 * total, high = 0.98 * total;
   float seen = 0.0, sum = 0.0;
   for (uint i = first; i < kHistogramBins; ++i) {
@@ -45,6 +47,8 @@ float metered_ev100() {
   float grey_ev100 = ev100_that_shows(exp2(sum / (high - low)), 0.18);
   float bright_ev100 = ev100_that_shows(exp2(bright_log2), 0.9);
   float ev100 = 0.5 * (grey_ev100 + bright_ev100);
+  // A tenth of the picture is a subject: the moon in a long lens is not lost in white for the black around it.
+  ev100 = max(ev100, ev100_that_shows(exp2(large_log2), 0.9) - 1.2);
   float metered = 0.18 / exposure_from_ev100(ev100);  // the luminance that would be middle grey
   return clamp(ev100 + night_darkening_ev(metered) - push.compensation_ev, push.min_ev100, push.max_ev100);
 }

@@ -67,6 +67,8 @@ void main() {
       emission = textureLod(night_tex, map, max(log2(max(footprint_m / map_texel_m, 1.0e-6)), 0.0)).rgb;
       // The picture's black is not black, but a level or a few of 255: over a dark sea that would outshine the sky.
       emission = max(emission - kNightBlack, vec3(0.0)) * (1.0 / (1.0 - kNightBlack));
+      // Its colours are those of a JPEG's blocks: lamps, on the mean, are as warm as 3000 K.
+      emission = dot(emission, vec3(0.2126, 0.7152, 0.0722)) * vec3(1.47, 0.93, 0.29);
     }
   }
   imageStore(out_depth_m, at, vec4(distance_m));
