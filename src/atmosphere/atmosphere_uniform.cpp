@@ -19,7 +19,7 @@ namespace {
 
 /// Share of the air's height up to which a sky view resolves what a camera sees below the horizontal; higher up, rays
 /// are integrated one by one.
-constexpr double kSkyViewShare = 0.3;
+constexpr double kSkyViewShare = 0.2;
 
 /// Radius of the sun's disc at 1 au, rad (Bruneton 2017).
 constexpr double kSunAngularRadius_rad = 0.00935 / 2.0;

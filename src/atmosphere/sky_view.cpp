@@ -38,7 +38,9 @@ shared::SkyView make_sky_view(const shared::AtmosphereUniform& air, const shared
   view.side = glm::vec3(glm::cross(up, glm::dvec3(view.forward)));
   const double dip_rad = std::asin(std::min(1.0, std::sqrt(h * (2.0 * R + h)) / (R + h)));
   view.horizon_t = static_cast<float>(std::tan(0.5 * dip_rad));
-  view.split = shared::sky_view_split(static_cast<float>(dip_rad));
+  // The corner between the two maps of rows falls on a texel.
+  constexpr float last_row = shared::kSkyRows - 1;
+  view.split = std::max(std::round(shared::sky_view_split(static_cast<float>(dip_rad)) * last_row), 1.0f) / last_row;
 
   const glm::vec2 size(sky_view_extent(count));
   const glm::vec2 first(static_cast<float>(index % shared::kSkyViewsWide * shared::kSkyAzimuths),

@@ -115,9 +115,13 @@ void NightSky::load_stars(const std::vector<Star>& stars) {
   device_.upload({}, uploads);
 }
 
-bool NightSky::draws_stars(const shared::FrameConstants& frame, const NightSkyParams& params) {
+bool NightSky::shows(const shared::FrameConstants& frame) {
   const double sine = static_cast<double>(glm::dot(frame.camera_up, frame.sun_dir));
-  return params.stars && (frame.planet.camera_height_m > kAirTop_m || sine < std::sin(kStarsAppear_rad));
+  return frame.planet.camera_height_m > kAirTop_m || sine < std::sin(kStarsAppear_rad);
+}
+
+bool NightSky::draws_stars(const shared::FrameConstants& frame, const NightSkyParams& params) {
+  return params.stars && shows(frame);
 }
 
 shared::NightSkyUniform NightSky::uniform(const shared::FrameConstants& frame, const NightSkyParams& params,

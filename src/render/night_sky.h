@@ -37,6 +37,8 @@ class NightSky {
   /// Declares everything that shaders/render/night_sky.glsl binds.
   static void bind(FrameGraph::PassBuilder& pass, const Refs& refs);
 
+  /// Whether anything of the night may be seen: the sun is below -2 degrees at the camera, or the camera above 60 km.
+  static bool shows(const shared::FrameConstants& frame);
   /// Stars are drawn where they are asked for, and the sun is below -2 degrees or the camera above 60 km.
   static bool draws_stars(const shared::FrameConstants& frame, const NightSkyParams& params);
   /// The values that shaders get; `star_unit_lux` 0 where no stars are drawn.

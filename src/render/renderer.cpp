@@ -183,8 +183,7 @@ RenderResult Renderer::render(const RenderRequest& request) {
                                       .atmosphere = atmosphere,
                                       .night_sky = out.night_sky,
                                       .has_sky_view = !views.empty(),
-                                      .night = views.empty() || frame.constants.light_count > 1 ||
-                                               NightSky::draws_stars(frame.constants, scene_.night_sky),
+                                      .night = NightSky::shows(frame.constants) || frame.constants.light_count > 1,
                                       .sun_visibility = {}};
     CloudDensityRefs density;
     if (p.clouds) {
