@@ -340,7 +340,7 @@ SHARED_FN vec3 local_direction(float mu, float phi) {
 
 // One camera within the air and one light. Axes in scaled space: elevation is measured from the sphere's own vertical,
 // so that the horizon is as deep everywhere; azimuth from the light. The other half of the azimuths is the mirror image
-// (to 1e-4: phase functions do not come from here).
+// (to 1e-4; the aerosol's phase function is the pixel's).
 struct SkyView {
   vec3 up;          // unit, scaled space
   float h;          // scaled height
