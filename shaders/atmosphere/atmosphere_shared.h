@@ -290,12 +290,15 @@ SHARED_FN float sky_mu_from_unit(AtmosphereUniform air, float h, float u) {
   return clamp((gap2_to_top(air, h) - d * d) / (2.0f * (air.radius_m + h) * d), -1.0f, 1.0f);
 }
 
-// Sun directions, by the distance to the top seen from the ground (Bruneton 2017): dense where the sun is low.
+// Sun directions, by the distance to the top seen from the ground (Bruneton 2017): dense where the sun is low. Then
+// u' = (sqrt(1 + 8 u) - 1) / 2, which gives half of the texels to the sun below the horizon: light falls steeply there.
 SHARED_FN float unit_from_mu_s(AtmosphereUniform air, float mu_s) {
   float a = (distance_to_top(air, 0.0f, mu_s) - air.top_m) / (air.rho_top_m - air.top_m);
-  return clamp((1.0f - a / air.mu_s_scale) / (1.0f + a), 0.0f, 1.0f);
+  float u = clamp((1.0f - a / air.mu_s_scale) / (1.0f + a), 0.0f, 1.0f);
+  return 0.5f * (sqrt(1.0f + 8.0f * u) - 1.0f);
 }
-SHARED_FN float mu_s_from_unit(AtmosphereUniform air, float u) {
+SHARED_FN float mu_s_from_unit(AtmosphereUniform air, float unit) {
+  float u = 0.5f * unit * (1.0f + unit);
   float a = (air.mu_s_scale - u * air.mu_s_scale) / (1.0f + u * air.mu_s_scale);
   float d = air.top_m + min(a, air.mu_s_scale) * (air.rho_top_m - air.top_m);
   return clamp((air.rho_top_m * air.rho_top_m - d * d) / (2.0f * air.radius_m * d), -1.0f, 1.0f);
