@@ -76,7 +76,7 @@ bool AtmosphereTables::advance(double budget_ms) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - began).count();
   };
   bool more = true;
-  do more = build_->step();
+  do more = build_->step() && build_->steps_done() < build_->steps();
   while (more && spent_ms() < budget_ms);
   if (!more) {
     step_ms_ = build_->times();
