@@ -97,6 +97,7 @@ std::optional<shared::DiscsPush> pixels_of_disc(const shared::FrameConstants& fr
                                                 float angular_radius_rad) {
   const float radius = angular_radius_rad * 1.05f + 3.0f * frame.pixel_angle_rad;  // edges are smoothed over a pixel
   const glm::ivec2 size(frame.size);
+  if (radius > 1.0f) return shared::DiscsPush{glm::ivec2(0), size};  // a pixel or two in a wide picture
   glm::vec2 low(1e9f), high(-1e9f), centre(0.0f);
   if (!shared::pixel_from_direction(frame, dir, centre)) {
     // Behind the camera; the disc may still reach into a very wide picture.

@@ -80,7 +80,8 @@ shared::FrameConstants make_frame_constants(const CameraPose& pose, Extent2D ext
   c.frame_index = frame_index;
   c.seed = seed;
   c.camera_up = vec3(geodetic_up_ecef(pose.at.lat_rad, pose.at.lon_rad));
-  c.sun_dir = vec3(light.sun_dir_ecef);
+  // From the camera: 9 arc seconds of parallax, which decide where an eclipse is total.
+  c.sun_dir = vec3(glm::normalize(light.sun_dir_ecef * (light.sun_distance_au * kAstronomicalUnit_m) - pose.ecef_m));
   c.sun_angular_radius_rad = static_cast<float>(light.sun_angular_radius_rad);
   c.sun_distance_factor = static_cast<float>(1.0 / (light.sun_distance_au * light.sun_distance_au));
   c.sun_illuminance = light.sun_illuminance_at_1au * c.sun_distance_factor;

@@ -7,7 +7,7 @@ namespace nepho {
 
 /// The light and clock of one frame.
 struct FrameLight {
-  dvec3 sun_dir_ecef{1.0, 0.0, 0.0};         ///< unit, towards the sun
+  dvec3 sun_dir_ecef{1.0, 0.0, 0.0};         ///< unit, towards the sun, from the Earth's centre
   double sun_angular_radius_rad = 0.004652;  ///< seen from the Earth's centre
   double sun_distance_au = 1.0;
   vec3 sun_illuminance_at_1au{0.0f};  ///< lux, linear Rec. 709 (atmosphere/luminance.h)
@@ -22,8 +22,9 @@ struct FrameLight {
 
 /// Everything that shaders need of camera, planet, sun and clock, computed in double and narrowed once.
 /// `jitter_px` moves this frame's rays within their pixels. The moon lights the air (light_count 2) once the sun is
-/// below -1 degree at the camera, from above 60 km below -6. It is the key light, the one that casts shadows, once nothing
-/// that the camera can see may be sunlit: the sun lower at the camera than -9 degrees less the dip of the horizon.
+/// below -1 degree at the camera, from above 60 km below -6. It is the key light, the one that casts shadows, once
+/// nothing that the camera can see may be sunlit: the sun lower at the camera than -9 degrees less the dip of the
+/// horizon.
 shared::FrameConstants make_frame_constants(const CameraPose& pose, Extent2D extent, const FrameLight& light,
                                             double time_s, uint32_t frame_index, uint32_t seed, glm::vec2 jitter_px);
 
