@@ -222,13 +222,15 @@ TEST_CASE("a path is cut where it enters the planet's shadow") {
   const float nu = std::cos((180.0f - 10.0f + 5.0f) * kPi / 180.0f);
   const float length = distance_to_top(demo(), 0.0f, mu);
   const PathPanels p = path_panels(demo(), 0.0f, mu, mu_s, nu, length, length);
-  REQUIRE(p.count == 3);  // the shadow's edge, and the cut of long paths at 200 km
-  CHECK(p.cut_m.y == kLongPath_m);
+  REQUIRE(p.count == 3);  // the cut of long paths at 200 km, and the shadow's edge
+  CHECK(p.cut_m.x == kLongPath_m);
   const glm::dvec2 s(std::cos(-5.0 * 3.14159265358979 / 180.0), std::sin(-5.0 * 3.14159265358979 / 180.0));
-  const double angle = (180.0 - 10.0) * 3.14159265358979 / 180.0, t = static_cast<double>(p.cut_m.x);
+  const double angle = (180.0 - 10.0) * 3.14159265358979 / 180.0, t = static_cast<double>(p.cut_m.y);
   const glm::dvec2 point = glm::dvec2(0.0, 6360000.0) + t * glm::dvec2(std::cos(angle), std::sin(angle));
   CHECK(std::sqrt(dot(point, point) - dot(point, s) * dot(point, s)) == doctest::Approx(6360000.0).epsilon(1e-7));
-  CHECK(path_panels(demo(), 0.0f, mu, 0.5f, 0.2f, length, length).count == 1);  // by day
+  // By day a long path has its cut alone, a short one none.
+  CHECK(path_panels(demo(), 0.0f, mu, 0.5f, 0.2f, length, length).count == 2);
+  CHECK(path_panels(demo(), 0.0f, mu, 0.5f, 0.2f, kLongPath_m, kLongPath_m).count == 1);
 }
 
 TEST_CASE(

@@ -334,6 +334,38 @@ TEST_CASE("a missing or wrong input file is status 3, before the device is opene
   fs::remove(file);
 }
 
+TEST_CASE("air in a scene file that cannot be is status 3 in one line, for pictures and probes alike") {
+  const fs::path file = fs::temp_directory_path() / "nepho_cli_bad_air.json";
+  const struct {
+    const char *json, *says;
+  } cases[] = {
+      {R"({"atmosphere": {"top_height_m": 5000}})", "atmosphere.top_height_m: the air is too thin"},
+      {R"({"atmosphere": {"rayleigh": {"scale_height_m": 50000}}})", "too thin"},
+      {R"({"atmosphere": {"rayleigh": {"scale_height_m": 0}}})", "atmosphere.rayleigh.scale_height_m: 0 is out of"},
+      {R"({"atmosphere": {"rayleigh": {"scattering_per_m": [-1e-6, 0, 0]}}})", "scattering_per_m[0]: -1e-06 is out of"},
+      {R"({"atmosphere": {"mie": {"extinction_per_m": [1, 1, 1]}}})", "a vertical optical depth of"},
+      {R"({"atmosphere": {"mie": {"phase_g": 1.5}}})", "atmosphere.mie.phase_g: 1.5 is out of range"},
+      {R"({"atmosphere": {"ozone": {"half_width_m": NaN}}})", ""},
+      {R"({"atmosphere": {"ground_albedo": 1e300}})", "atmosphere.ground_albedo: 1e+300 is out of range"},
+      {R"({"atmosphere": {"scattering_orders": 2.5}})", "atmosphere.scattering_orders"},
+      {R"({"time": "2150-01-01T00:00:00Z"})", "time"},
+      {R"({"time": "1899-12-31T23:59:59Z"})", "time"}};
+  for (const auto& c : cases) {
+    std::ofstream(file) << c.json;
+    CAPTURE(c.json);
+    for (const Run& failed : {render({file}), run({"probe", "geodetic_ecef", file})}) {
+      const std::string message = message_of(failed, 3);
+      CHECK(message.starts_with(file.string()));
+      CHECK_MESSAGE(message.find(c.says) != std::string::npos, message);
+      CHECK_FALSE(failed.probe_scene.has_value());
+    }
+  }
+  fs::remove(file);
+  CHECK(message_of(render({"--time", "2101-01-01"}), 2).starts_with("--time: "));
+  CHECK(message_of(run({"probe", "geodetic_ecef", "--visibility", "-5"}), 2).starts_with("--visibility: -5"));
+  CHECK(message_of(run({"probe", "geodetic_ecef", "--orders", "nan"}), 2).starts_with("--orders: "));
+}
+
 TEST_CASE("--terrain and --imagery take one file each time and add to those of the scene") {
   const Scene scene = scene_of({"--terrain", "/dev/null", "--terrain", "/vsizip/a.zip", "--imagery", "NETCDF:a.nc:v"});
   CHECK(scene.terrain.elevation == std::vector<std::string>{"/dev/null", "/vsizip/a.zip"});

@@ -380,7 +380,7 @@ TEST_CASE("gpu: airglow grows towards the horizon by van Rhijn's law and is a th
     CHECK(luminance(d.at(d.airglow, 4, 4)) == doctest::Approx(1e-4 * path).epsilon(0.002));
     CHECK(d.airglow[4 * 40 + 3] == 0.0f);  // all of it is behind the air
   }
-  CHECK(std::abs(luminance(dvec3(shared::airglow_color())) - 1.0) < 0.001);
+  CHECK(std::abs(luminance(dvec3(shared::airglow_color())) - 1.0) < 0.002);
 
   // Over the equator at 400 km, along the meridian of scaled space's circle: towards the limb at 90 km.
   v.at.height_m = 400e3;
