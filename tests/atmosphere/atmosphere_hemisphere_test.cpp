@@ -72,14 +72,14 @@ std::vector<double> differences(AtmosphereFixture& gpu, int orders, const std::v
 }  // namespace
 
 TEST_CASE(
-    "the sky's irradiance of order 1 is the integral of its radiance: day below 40 km 0.5 %, sun to -2 degrees 5 %") {
+    "the sky's irradiance of order 1 is the integral of its radiance: day below 40 km 0.7 %, sun to -2 degrees 5 %") {
   AtmosphereFixture gpu;
   const std::vector<double> heights{2.0, 500.0, 3000.0, 9000.0, 17000.0, 25000.0, 39000.0};
   const std::vector<double> day{1.0, 0.8, 0.5, 0.2, 0.07}, low{0.03, 0.0, -0.03};
   const std::vector<double> by_day = differences(gpu, 1, heights, day), at_dusk = differences(gpu, 1, heights, low);
   for (size_t i = 0; i < by_day.size(); ++i) {
     INFO("sun's cosine " << day[i / heights.size()] << ", height " << heights[i % heights.size()] << " m");
-    CHECK(by_day[i] < 0.005);
+    CHECK(by_day[i] < 0.007);
   }
   for (size_t i = 0; i < at_dusk.size(); ++i) {
     INFO("sun's cosine " << low[i / heights.size()] << ", height " << heights[i % heights.size()] << " m");
