@@ -1,17 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Marches one cloud layer between its two shells for every pixel. Writes premultiplied luminance with its aerial
-// perspective and transmittance; and depth, optical depth, layer and step count.
+// Marches one cloud layer between its two shells for every pixel. Writes what the clouds send to the eye as shares of the lights
+// (cloud_shade.comp makes luminance of them) and their transmittance; and depth, optical depth, layer and step count.
 #include "common/frame.h"
-#include "common/gamut.h"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
 #define CLOUD_BINDING 1
 #include "clouds/cloud_light.glsl"
-#define ATMOSPHERE_BINDING 8
-#include "atmosphere/atmosphere_lookup.glsl"
 layout(set = 0, binding = 20, r32f) uniform readonly image2D depth_m;
-layout(set = 0, binding = 21, rgba32f) uniform writeonly image2D out_radiance;
+layout(set = 0, binding = 21, rgba32f) uniform writeonly image2D out_light;
 layout(set = 0, binding = 22, rgba32f) uniform writeonly image2D out_info;
 
 const int kMaxSteps = 176;
@@ -223,22 +220,7 @@ void main() {
     if (transmittance < kOpaque) transmittance = 0.0;
   }
 
-  vec3 radiance = vec3(0.0);
-  float mean_m = kFarDepth_m;
-  if (weight_sum > 0.0) {
-    mean_m = depth_sum / weight_sum;
-    vec3 p = dir * mean_m;
-    vec3 up = geodetic_up(planet, p);
-    float mu_key = dot(up, sun);
-    float height_m = geodetic_height(planet, p);
-    vec3 sun_lux = key_illuminance(frame.frame_data, height_m, mu_key);
-    vec3 sky_lux = sky_illuminance(frame.frame_data, height_m, up) + frame.frame_data.night_illuminance;
-    vec3 ground_lux = CLOUD.ground_albedo * (sun_lux * max(mu_key, 0.0) * (1.0 - 0.7 * CLOUD.coverage) + sky_lux);
-    radiance = light.x * sun_lux + light.y * sky_lux + light.z * ground_lux;
-    vec3 air_transmittance;
-    vec3 air = aerial_perspective(frame.frame_data, dir, mean_m, 0.0, air_transmittance);
-    radiance = radiance * air_transmittance + air * (1.0 - transmittance);
-  }
-  imageStore(out_radiance, pixel, vec4(within_rec709(radiance), transmittance));
+  float mean_m = weight_sum > 0.0 ? depth_sum / weight_sum : kFarDepth_m;
+  imageStore(out_light, pixel, vec4(light, transmittance));
   imageStore(out_info, pixel, vec4(mean_m, tau, weight_sum > 0.0 ? 1.0 : 0.0, float(steps)));
 }

@@ -20,9 +20,9 @@ struct Lattice {
   uint32_t texels;
 };
 const Lattice kLattices[shared::kCloudDomains] = {
-    {197.3e3, {0.31, 0.83, 0.46}, 0.71, 128}, {53.9e3, {-0.72, 0.21, 0.66}, 1.93, 128},
-    {22.7e3, {0.57, -0.44, 0.69}, 2.67, 128}, {6.13e3, {0.18, 0.63, -0.75}, 1.27, 128},
-    {497.0, {-0.49, -0.29, 0.82}, 0.97, 32},  {137.0, {0.84, 0.35, 0.41}, 2.21, 32},
+    {197.3e3, {0.31, 0.83, 0.46}, 0.71, 128},   {53.9e3, {-0.72, 0.21, 0.66}, 1.93, 128},
+    {22.7e3, {0.57, -0.44, 0.69}, 2.67, 128},   {6.13e3, {0.18, 0.63, -0.75}, 1.27, 128},
+    {497.0, {-0.49, -0.29, 0.82}, 0.97, 32},    {137.0, {0.84, 0.35, 0.41}, 2.21, 32},
     {1131.0e3, {-0.22, 0.71, 0.67}, 2.83, 128},
 };
 
@@ -65,7 +65,7 @@ shared::CloudConstants make_cloud_constants(const FrameInfo& frame, const CloudP
   c.phase_g_forward = static_cast<float>(params.phase_g_forward);
   c.phase_g_backward = static_cast<float>(params.phase_g_backward);
   c.phase_backward_weight = static_cast<float>(params.phase_backward_weight);
-  c.ground_albedo = 0.15f;
+  c.ground_albedo = kGroundAlbedo;
   c.uniform_density = static_cast<float>(params.uniform_density);
   c.fade_start = noise.fade_start();
   c.fade_per_lod = noise.fade_per_lod();

@@ -7,6 +7,9 @@
 
 namespace nepho {
 
+/// Of what lies below clouds, for light from under them.
+inline constexpr float kGroundAlbedo = 0.15f;
+
 /// What shaders that include clouds/cloud_density.glsl read.
 struct CloudDensityRefs {
   BufferRef constants;

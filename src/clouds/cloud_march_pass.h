@@ -5,7 +5,8 @@
 
 namespace nepho {
 
-/// Marches the cloud layer for every pixel (shaders/clouds/cloud_march.comp, docs/clouds.md).
+/// Marches the cloud layer for every pixel (shaders/clouds/cloud_march.comp, docs/clouds.md), then lights what it found
+/// (cloud_shade.comp).
 /// Reads the distance to the surface, the atmosphere's tables, the weather map and the noise volumes.
 /// Writes luminance + transmittance and per-pixel facts. With nothing to draw it only clears its outputs.
 class CloudMarchPass {
@@ -28,7 +29,7 @@ class CloudMarchPass {
   Outputs add(FrameGraph& graph, const FrameInfo& frame, const CloudParams& params, const Inputs& in) const;
 
  private:
-  gpu::ComputePipeline march_, clear_;
+  gpu::ComputePipeline march_, shade_, clear_;
 };
 
 }  // namespace nepho

@@ -1,0 +1,41 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Lights the marched clouds: shares of the lights become premultiplied luminance with its aerial perspective. A shader of its own,
+// because the march leaves no registers for the air's spectrum.
+#include "common/frame.h"
+#include "common/gamut.h"
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
+layout(set = 0, binding = 1) uniform sampler2D light_tex;  // shares of key light, sky light, ground light (1/sr); transmittance
+layout(set = 0, binding = 2) uniform sampler2D info_tex;   // x: mean depth, m; z: layer, 0 without clouds
+layout(set = 0, binding = 3, rgba32f) uniform writeonly image2D out_radiance;
+#define ATMOSPHERE_BINDING 8
+#include "atmosphere/atmosphere_lookup.glsl"
+layout(push_constant, scalar) uniform PushBlock {
+  float ground_albedo;
+  float coverage;
+} push;
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  FrameConstants f = frame.frame_data;
+  if (any(greaterThanEqual(pixel, ivec2(f.size)))) return;
+  vec4 light = texelFetch(light_tex, pixel, 0);
+  vec4 info = texelFetch(info_tex, pixel, 0);
+  vec3 radiance = vec3(0.0);
+  if (info.z > 0.0) {
+    vec3 dir = pixel_direction(f, vec2(pixel) + 0.5);
+    vec3 p = dir * info.x;
+    vec3 up = geodetic_up(f.planet, p);
+    float mu_key = dot(up, f.key_dir);
+    float height_m = geodetic_height(f.planet, p);
+    vec3 key_lux = key_illuminance(f, height_m, mu_key);
+    vec3 sky_lux = sky_illuminance(f, height_m, up) + f.night_illuminance;
+    vec3 ground_lux = push.ground_albedo * (key_lux * max(mu_key, 0.0) * (1.0 - 0.7 * push.coverage) + sky_lux);
+    radiance = light.x * key_lux + light.y * sky_lux + light.z * ground_lux;
+    vec3 air_transmittance;
+    vec3 air = aerial_perspective(f, dir, info.x, 0.0, air_transmittance);
+    radiance = radiance * air_transmittance + air * (1.0 - light.a);
+  }
+  imageStore(out_radiance, pixel, vec4(within_rec709(radiance), light.a));
+}
