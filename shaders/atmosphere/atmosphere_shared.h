@@ -10,7 +10,7 @@ SHARED_BEGIN
 
 // Table sizes in texels.
 SHARED_CONST int kColumnMu = 256;
-SHARED_CONST int kColumnR = 64;
+SHARED_CONST int kColumnR = 96;
 SHARED_CONST int kAirR = 32;        // heights of all other tables
 SHARED_CONST int kAirMuS = 32;      // sun zenith cosines
 SHARED_CONST int kAirNu = 8;        // view-sun angles
