@@ -9,7 +9,7 @@
 // linear Rec. 709 in cd/m^2, illuminances in lux per channel. Cameras may be anywhere from the ground to space. A ray that
 // misses the air: luminance 0, transmittance 1.
 //
-// The sky seen from within the air comes from a sky view, integrated for the camera before the frame (sky_view.comp). All
+// The sky seen from low in the air (sky_view_top_m) comes from a sky view, integrated for the camera before the frame (sky_view.comp). All
 // other paths (to a point, to the ground, from space) are integrated here: no two lookups are subtracted.
 #ifndef NEPHO_ATMOSPHERE_LOOKUP_GLSL
 #define NEPHO_ATMOSPHERE_LOOKUP_GLSL
@@ -213,9 +213,7 @@ vec3 sun_transmittance(float height_m, float mu_s) {
   return visible * transmittance_of(sampled_columns_to_top(air, h, mu_s));
 }
 
-// Light of the sun, the moon, the light that casts shadows, on a facing plane, lux per channel. `mu` is the light's cosine to
-// the vertical there.
-vec3 sun_illuminance(FrameConstants frame, float height_m, float mu) { return frame.sun_illuminance * sun_transmittance(height_m, mu); }
+// Light of the one that casts shadows, on a facing plane, lux per channel. `mu` is its cosine to the vertical there.
 vec3 key_illuminance(FrameConstants frame, float height_m, float mu) { return frame.key_illuminance * sun_transmittance(height_m, mu); }
 
 // One of the kIrradianceParts for a sun at 1 au.
@@ -240,13 +238,6 @@ vec3 irradiance_of_lights(FrameConstants frame, float height_m, vec3 up, int par
 
 // Light of the sky, sun and moon excluded, on a horizontal plane, lux per channel. `up` is the geodetic normal there.
 vec3 sky_illuminance(FrameConstants frame, float height_m, vec3 up) { return irradiance_of_lights(frame, height_m, up, 0); }
-
-// Mean luminances of the hemispheres above and below the horizontal, without the sun's disc; below includes the light of
-// the ground, with the planet's mean albedo.
-void hemisphere_luminances(FrameConstants frame, float height_m, vec3 up, out vec3 above, out vec3 below) {
-  above = irradiance_of_lights(frame, height_m, up, 1);
-  below = irradiance_of_lights(frame, height_m, up, 2);
-}
 
 // Luminance of the sky that a point of the surface mirrors: seen from sea level with the lights' zenith angles there.
 // `up` is the geodetic normal at the point, dir is above the horizontal.

@@ -11,7 +11,7 @@ SHARED_CONST float kMeterMaxLuminance = 2.0e6f;    // cd/m2: brighter pixels, th
 struct BackgroundPush {
   float wind_mps;               // over water, for its roughness
   float night_light_cd_m2;      // luminance of city lights where the night picture is white
-  uint has_cloud_shadow;        // 1: sun_visibility holds the clouds' transmittance towards the sun
+  uint has_cloud_shadow;        // 1: sun_visibility holds the clouds' transmittance towards the key light
   float ground_albedo;          // mean albedo around, for light from below
 };
 

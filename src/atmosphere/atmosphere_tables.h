@@ -40,8 +40,8 @@ class AtmosphereTables {
     ImageRef transmittance, irradiance, source, mirror, sky_view;
     BufferRef params, sky_views;
   };
-  /// Brings the tables into a frame and integrates its sky views (make_sky_view), one per light; none for a camera
-  /// above the air.
+  /// Brings the tables into a frame and integrates its sky views (make_sky_view), one per light; none for a camera too
+  /// high for one (has_sky_view).
   Refs add(FrameGraph& graph, std::span<const shared::SkyView> views) const;
   /// Declares everything that shaders/atmosphere/atmosphere_lookup.glsl binds.
   enum class Views { of_a_frame, many };  ///< many: for shaders with ATMOSPHERE_MANY_VIEWS

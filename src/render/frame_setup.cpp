@@ -13,7 +13,7 @@ namespace {
 constexpr double kMoonLightsBelow_rad = rad_from_deg(-1.0), kMoonIsKeyBelow_rad = rad_from_deg(-9.0);
 /// From space: the sunlit part of what is seen is small then, and a picture may be exposed for the rest.
 constexpr double kMoonLightsFromSpaceBelow_rad = rad_from_deg(-6.0);
-constexpr double kAirTop_m = 60e3, kEarthRadius_m = 6371e3;
+constexpr double kEarthRadius_m = 6371e3;
 constexpr float kNear_m = 0.1f;  // reversed-Z float depth keeps its relative precision whatever this is
 
 float halton(uint32_t index, uint32_t base) {
@@ -41,7 +41,7 @@ void set_lights(shared::FrameConstants& c, const CameraPose& pose, const FrameLi
   const double sun_elevation = std::asin(
       std::clamp(glm::dot(geodetic_up_ecef(pose.at.lat_rad, pose.at.lon_rad), light.sun_dir_ecef), -1.0, 1.0));
   const double dip = std::acos(kEarthRadius_m / (kEarthRadius_m + std::max(pose.at.height_m, 0.0)));
-  if (sun_elevation < (pose.at.height_m > kAirTop_m ? kMoonLightsFromSpaceBelow_rad : kMoonLightsBelow_rad))
+  if (sun_elevation < (pose.at.height_m > kNightSkyAbove_m ? kMoonLightsFromSpaceBelow_rad : kMoonLightsBelow_rad))
     c.light_count = 2;
   if (sun_elevation < kMoonIsKeyBelow_rad - dip) {
     c.key_dir = c.moon_dir;

@@ -5,6 +5,9 @@
 
 namespace nepho {
 
+/// Cameras above this see the night sky beside the sunlit Earth, m.
+inline constexpr double kNightSkyAbove_m = 60e3;
+
 /// The light and clock of one frame.
 struct FrameLight {
   dvec3 sun_dir_ecef{1.0, 0.0, 0.0};         ///< unit, towards the sun, from the Earth's centre

@@ -1,5 +1,7 @@
 #include "render/night_sky.h"
 
+#include "render/frame_setup.h"
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -21,7 +23,6 @@ namespace {
 constexpr uint32_t kMoonMapWidth = 2048, kMoonCoarseWidth = 256;
 constexpr double kMoonGeometricAlbedo = 0.12;  // V; Allen
 constexpr double kStarsAppear_rad = -2.0 * std::numbers::pi / 180.0;
-constexpr float kAirTop_m = 60e3f;
 // Sums of all stars must fit 32 bits, whatever the field of view puts into one pixel.
 constexpr double kLargestSum = 4.0e9, kFinestUnit_lux = 1.0e-13;
 
@@ -117,7 +118,7 @@ void NightSky::load_stars(const std::vector<Star>& stars) {
 
 bool NightSky::shows(const shared::FrameConstants& frame) {
   const double sine = static_cast<double>(glm::dot(frame.camera_up, frame.sun_dir));
-  return frame.planet.camera_height_m > kAirTop_m || sine < std::sin(kStarsAppear_rad);
+  return frame.planet.camera_height_m > static_cast<float>(kNightSkyAbove_m) || sine < std::sin(kStarsAppear_rad);
 }
 
 bool NightSky::draws_stars(const shared::FrameConstants& frame, const NightSkyParams& params) {
