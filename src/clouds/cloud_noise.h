@@ -4,34 +4,55 @@
 #include <vector>
 
 #include "gpu/frame_graph.h"
+#include "scene/cloud_params.h"
 
 namespace nepho {
 
-/// The tileable noise volumes of the clouds, made on the GPU at first and then kept in cache_dir(): `field` 128^3
-/// (fractal field, cells), `shape` 128^3 and `detail` 32^3 (billows), all with mips. Values are standard deviations
-/// from the mean, -4..4 as 0..1; `field` has a normal distribution.
+/// The tileable noises of the clouds, made on the GPU at first and then kept in cache_dir(), or read from files. All
+/// volumes have full mips. Values are standard deviations from the mean, -4..4 as 0..1.
+/// - field, 128^3 rgba16: four independent normal fields, fractal: octaves of 4..64 cycles a side.
+/// - cells, 128^3 rg16: r rounded cells with creases (8 to 16 a side), g a finer fractal (8..64 cycles); both normal.
+/// - shape, 128^3 r8: Perlin-Worley billows, 8..70 cycles; normal.
+/// - detail, 32^3 r8: Worley, 4 and 8 cycles; normal.
+/// - turbulence, 64^3 rgba8: xyz a divergence-free vector (curl of noise, 4..16 cycles), each component of variance 1.
+/// - blue, 64 x 64 x 16 r8 (a 2D array): spatiotemporal blue noise, uniform over 0..255 within every slice.
 class CloudNoise {
  public:
-  explicit CloudNoise(gpu::Device& device);
+  /// Throws Error(input) for a file that is no such texture.
+  CloudNoise(gpu::Device& device, const CloudNoiseParams& params = {});
   struct Refs {
-    ImageRef field, shape, detail;
+    ImageRef field, cells, shape, detail, turbulence, blue;
   };
-  Refs import_into(FrameGraph& graph) const {
-    return {graph.import(field_), graph.import(shape_), graph.import(detail_)};
-  }
-  /// Variance that mip 0..9 keeps of field.r, field.g, shape and detail; 1 at mip 0, 0 beyond the last.
-  const std::array<glm::vec4, 10>& variance() const { return variance_; }
-  /// shared::variance_left() fitted to variance(), component by component.
-  glm::vec4 fade_start() const { return fade_start_; }
-  glm::vec4 fade_per_lod() const { return fade_per_lod_; }
+  Refs import_into(FrameGraph& graph) const;
+
+  /// What is left of a noise's variance at a level of detail: shared::variance_left(lod, start, per_lod), fitted to its
+  /// mips.
+  struct Fade {
+    float start = 0.0f, per_lod = 1.0f;
+  };
+  struct Fades {
+    Fade field, cells_round, cells_fractal, shape, detail;
+  };
+  const Fades& fades() const { return fades_; }
+  /// Measured variances, mip by mip, in the order of Fades.
+  const std::array<std::vector<float>, 5>& variances() const { return variances_; }
+  /// Texels a side, for texel sizes; of files as they are.
+  uint32_t shape_size() const;
+  uint32_t detail_size() const;
+  uint32_t turbulence_size() const;
+  static constexpr uint32_t kFieldSize = 128, kCellsSize = 128;
+
   const gpu::Image& field() const { return field_; }
+  const gpu::Image& cells() const { return cells_; }
   const gpu::Image& shape() const { return shape_; }
   const gpu::Image& detail() const { return detail_; }
+  const gpu::Image& turbulence() const { return turbulence_; }
+  const gpu::Image& blue() const { return blue_; }
 
  private:
-  gpu::Image field_, shape_, detail_;
-  std::array<glm::vec4, 10> variance_{};
-  glm::vec4 fade_start_{0.0f}, fade_per_lod_{1.0f};
+  gpu::Image field_, cells_, shape_, detail_, turbulence_, blue_;
+  Fades fades_;
+  std::array<std::vector<float>, 5> variances_;
 };
 
 /// One channel of a cubic volume brought to mean 0 and variance 1; `gaussian` gives it a normal distribution by rank.

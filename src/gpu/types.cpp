@@ -21,6 +21,7 @@ uint32_t bytes_per_texel(Format format) {
     case Format::r32u:
     case Format::d32f:
       return 4;
+    case Format::rgba16:
     case Format::rgba16f:
     case Format::rg32f:
     case Format::rg32u:
@@ -48,6 +49,8 @@ const char* name_of(Format format) {
       return "r16";
     case Format::rg16:
       return "rg16";
+    case Format::rgba16:
+      return "rgba16";
     case Format::rg16_snorm:
       return "rg16_snorm";
     case Format::r16f:

@@ -13,6 +13,7 @@ enum class Format {
   rgba8_srgb,
   r16,
   rg16,
+  rgba16,
   rg16_snorm,
   r16f,
   rg16f,

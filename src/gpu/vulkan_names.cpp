@@ -18,6 +18,8 @@ VkFormat vk_format(Format format) {
       return VK_FORMAT_R16_UNORM;
     case Format::rg16:
       return VK_FORMAT_R16G16_UNORM;
+    case Format::rgba16:
+      return VK_FORMAT_R16G16B16A16_UNORM;
     case Format::rg16_snorm:
       return VK_FORMAT_R16G16_SNORM;
     case Format::r16f:

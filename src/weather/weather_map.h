@@ -1,50 +1,58 @@
 #pragma once
-#include <cstdint>
+#include <array>
+#include <memory>
 #include <vector>
 
+#include "geo/geoid.h"
 #include "gpu/frame_graph.h"
+#include "io/raster.h"
+#include "scene/cloud_params.h"
 
 namespace nepho {
 
-/// What a weather map is made from.
-struct WeatherSettings {
-  double coverage = 0.4;  ///< mean share of sky covered over the globe, 0..1
-  double contrast = 0.75;  ///< CloudParams::weather_contrast, 0..0.95
-  uint32_t seed = 1;
-  bool operator==(const WeatherSettings&) const = default;
+/// Rasters that a weather map is made from; opened by the apps.
+struct WeatherSources {
+  std::shared_ptr<Raster> weather;                 ///< RasterOpener::open_weather(), for source raster
+  std::shared_ptr<Raster> tile;                    ///< RasterOpener::open_tile(), for source tile
+  std::vector<std::shared_ptr<Raster>> elevation;  ///< as TerrainSources has them, for base_reference terrain
+  std::shared_ptr<const Geoid> geoid;              ///< may be null: then msl is the ellipsoid
 };
 
-/// Local coverage where the large-scale field has the rank `rank` (0..1, uniform over the globe's area). The whole
-/// field is contrast x large scale + sqrt(1 - contrast^2) x small scales, both standard normal, so that thresholding it
-/// at the probit of `coverage` gives exactly that mean for every contrast. 0 and 1 stay 0 and 1.
-double local_coverage(double rank, const WeatherSettings& settings);
-
-/// Inverse of the standard normal's distribution function (Acklam's rational approximation, 1e-9 relative); -+8 at
-/// 0, 1.
-double exact_probit(double share);
-
-/// Global cloud cover on the cube sphere: RGBA8, faces on +-X +-Y +-Z of ECEF, looked up by normalize(S p), with mips
-/// that average cover. R is the cover of layer 1; G, B and A belong to the layers to come and equal R.
+/// The global weather on cube spheres, looked up by normalize(S p) with seamless cube samplers (faces and axes are
+/// Vulkan's), each with a mip pyramid of means:
+/// - coverage, rgba16 unorm: the weather's values 0..1 of channels R, G, B, A; layers make coverage of them
+///   (CloudLayer::weather_exponent, coverage_scale). With CloudParams::coverage all are that number.
+/// - properties, rgba16f: type (0 stratiform, 0.5 as the layer says, 1 towering), base offset (m), density factor
+///   (1: as the layer says), precipitation (0..1).
+/// - ground, rg32f: geoid undulation (m) and height of the smoothed ground above the ellipsoid (m, >= the sea's);
+///   all 0 unless a layer's base_reference asks for it.
+/// - tile, 2D rgba8 with mips, repeating: the local weather texture; 1 x 1 unless the source is tile.
 class WeatherMap {
  public:
-  static constexpr uint32_t kDefaultSize = 512;  ///< texels along a face: 20 km
-  explicit WeatherMap(gpu::Device& device, uint32_t size = kDefaultSize);
-  /// Makes the map of these settings; cheap when they have not changed.
-  void update(const WeatherSettings& settings);
-  ImageRef import_into(FrameGraph& graph) const { return graph.import(image_); }
-  const gpu::Image& image() const { return image_; }
-  uint32_t size() const { return size_; }
-  /// Metres of a texel at a face's centre.
+  explicit WeatherMap(gpu::Device& device);
+  /// Makes the maps of these parameters; cheap when nothing that matters here has changed.
+  /// Throws Error(input) for a file that cannot be weather.
+  void update(const CloudParams& params, const WeatherSources& sources);
+  struct Refs {
+    ImageRef coverage, properties, ground, tile;
+  };
+  Refs import_into(FrameGraph& graph) const;
+  /// Metres of a texel of `coverage` at a face's centre; of a very large number for uniform weather.
   double texel_m() const;
+  /// Range of the height that is added to a layer's base: properties' base offset plus, for that reference, the ground.
+  struct OffsetRange {
+    double low_m = 0.0, high_m = 0.0;
+  };
+  OffsetRange base_offset_range(const std::string& base_reference) const;
+  /// Images, for tests.
+  const gpu::Image& coverage() const { return coverage_; }
+  const gpu::Image& properties() const { return properties_; }
+  const gpu::Image& ground() const { return ground_; }
+  const gpu::Image& tile() const { return tile_; }
 
  private:
-  std::vector<uint16_t> make_ranks(uint32_t seed) const;
   gpu::Device& device_;
-  uint32_t size_;
-  gpu::Image image_;
-  WeatherSettings settings_;
-  std::vector<uint16_t> ranks_;  ///< of `settings_.seed`, face by face
-  bool made_ = false;
+  gpu::Image coverage_, properties_, ground_, tile_;
 };
 
 }  // namespace nepho
