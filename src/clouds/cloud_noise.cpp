@@ -2,177 +2,218 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <optional>
 #include <string>
 
+#include "base/error.h"
+#include "clouds/blue_noise.h"
 #include "clouds/cloud_noise.comp.h"
-#include "clouds/clouds_shared.h"
+#include "clouds/cloud_noise_shared.h"
+#include "clouds/noise_file.h"
 #include "gpu/commands.h"
 #include "gpu/graph_executor.h"
 #include "gpu/pipeline.h"
 #include "weather/blob_cache.h"
-#include "weather/weather_map.h"
 
 namespace nepho {
 namespace {
 
-constexpr uint64_t kNoiseVersion = 2;
-constexpr float kRange = 4.0f;  // kNoiseRange in cloud_density.glsl
-static_assert(sizeof(shared::CloudNoisePush) == 12);
+constexpr uint64_t kNoiseVersion = 3;  // of what the CPU does here; shaders are part of the key by themselves
+static_assert(sizeof(shared::CloudNoisePush) == 8);
 
-struct Volume {
+struct Recipe {
   const char* name;
   uint32_t kind;
   uint32_t size;
-  uint32_t channels;
+  uint32_t channels;  // made by the shader
   Format format;
   uint32_t bytes_per_channel;
-  uint32_t first_variance;  // component of variance()
-  bool gaussian;
 };
-constexpr Volume kVolumes[] = {
-    {"clouds.field", shared::kCloudNoiseField, 128, 2, Format::rg16, 2, 0, true},
-    {"clouds.shape", shared::kCloudNoiseShape, 128, 1, Format::r8, 1, 2, false},
-    {"clouds.detail", shared::kCloudNoiseDetail, 32, 1, Format::r8, 1, 3, false},
-};
+constexpr Recipe kField{"clouds.field", shared::kNoiseField, CloudNoise::kFieldSize, 4, Format::rgba16, 2};
+constexpr Recipe kCells{"clouds.cells", shared::kNoiseCells, CloudNoise::kCellsSize, 2, Format::rg16, 2};
+constexpr Recipe kShape{"clouds.shape", shared::kNoiseShape, 128, 1, Format::r8, 1};
+constexpr Recipe kDetail{"clouds.detail", shared::kNoiseDetail, 32, 1, Format::r8, 1};
+constexpr Recipe kTurbulence{"clouds.turbulence", shared::kNoiseTurbulence, 64, 3, Format::rgba8, 1};
 
-size_t texels_of(uint32_t size) { return size_t{size} * size * size; }
+using Planes = std::vector<std::vector<float>>;
 
-std::vector<float> run_generator(gpu::Device& device, const gpu::ComputePipeline& pipeline, const Volume& volume) {
+Planes run_generator(gpu::Device& device, const Recipe& recipe) {
+  const gpu::ComputePipeline pipeline(device,
+                                      {.name = "clouds.noise", .spirv = cloud_noise_comp, .constants = {recipe.kind}});
   FrameGraph graph;
-  const uint32_t n = volume.size;
-  const ImageRef raw = graph.create("clouds.noise", {.extent = {n, n, n}, .format = Format::rg32f});
+  const uint32_t n = recipe.size;
+  const ImageRef raw = graph.create("clouds.noise", {.extent = {n, n, n}, .format = Format::rgba32f});
   graph.pass("clouds.noise").write("out_noise", raw).record([&](gpu::Commands& cmd) {
-    cmd.bind(pipeline).push(shared::CloudNoisePush{volume.kind, n, 77u + volume.kind}).dispatch_threads(n, n, n);
+    cmd.bind(pipeline).push(shared::CloudNoisePush{n, 77u}).dispatch_threads(n, n, n);
   });
   graph.keep(raw);
   gpu::GraphExecutor executor(device);
   executor.run(graph);
-  return executor.read<float>(raw);
+  const std::vector<float> texels = executor.read<float>(raw);
+  Planes planes(recipe.channels, std::vector<float>(texels.size() / 4));
+  for (size_t c = 0; c < planes.size(); ++c)
+    for (size_t i = 0; i < planes[c].size(); ++i) planes[c][i] = texels[4 * i + c];
+  return planes;
 }
 
-/// All mips as texels, one after the other; then the variances, mip by mip and channel by channel, as floats.
-std::vector<std::byte> make_blob(const Volume& volume, const std::vector<float>& raw) {
-  const size_t count = texels_of(volume.size);
-  std::vector<std::vector<float>> level(volume.channels, std::vector<float>(count));
-  for (uint32_t c = 0; c < volume.channels; ++c) {
-    for (size_t i = 0; i < count; ++i) level[c][i] = raw[2 * i + c];
-    normalise_volume(level[c], volume.gaussian);
+/// Raw values as texels. Turbulence is a vector, of one variance, but not of a normal distribution.
+MippedVolume make_volume(const Recipe& recipe, Planes planes, uint32_t size, const std::string& origin) {
+  const bool vector = recipe.kind == shared::kNoiseTurbulence;
+  for (std::vector<float>& plane : planes)
+    if (!normalise_volume(plane, !vector))
+      throw fail(ErrorKind::input, "{}: a channel holds one value only; noise must vary", origin);
+  if (vector) planes.emplace_back(planes[0].size(), MippedVolume::kRange);  // alpha 1
+  return make_mips(std::move(planes), size, recipe.bytes_per_channel);
+}
+
+MippedVolume generate(gpu::Device& device, const Recipe& recipe) {
+  Planes planes = run_generator(device, recipe);
+  if (recipe.kind == shared::kNoiseTurbulence) {
+    auto curl = curl_of({planes[0], planes[1], planes[2]}, recipe.size);
+    for (size_t c = 0; c < 3; ++c) planes[c] = std::move(curl[c]);
   }
-  std::vector<std::byte> blob;
-  std::vector<float> variances;
-  for (uint32_t n = volume.size; n >= 1; n /= 2) {
-    const size_t offset = blob.size();
-    blob.resize(offset + texels_of(n) * volume.channels * volume.bytes_per_channel);
-    for (uint32_t c = 0; c < volume.channels; ++c) {
-      double square = 0.0;
-      for (size_t i = 0; i < texels_of(n); ++i) {
-        square += static_cast<double>(level[c][i]) * level[c][i];
-        const float unit = std::clamp(0.5f + level[c][i] / (2.0f * kRange), 0.0f, 1.0f);
-        std::byte* to = &blob[offset + (i * volume.channels + c) * volume.bytes_per_channel];
-        if (volume.bytes_per_channel == 1) {
-          *to = static_cast<std::byte>(static_cast<int>(unit * 255.0f + 0.5f));
-        } else {
-          const auto word = static_cast<uint16_t>(unit * 65535.0f + 0.5f);
-          std::memcpy(to, &word, 2);
-        }
+  return make_volume(recipe, std::move(planes), recipe.size, recipe.name);
+}
+
+/// The built-in volume, from cache_dir() where it is there. The key holds the shader and the device, whose arithmetic
+/// may round in its own way.
+MippedVolume cached_volume(gpu::Device& device, const Recipe& recipe) {
+  const std::string who = device.info().name + device.info().driver;
+  const uint64_t key = checksum_of(reinterpret_cast<const std::byte*>(cloud_noise_comp), sizeof cloud_noise_comp) +
+                       checksum_of(reinterpret_cast<const std::byte*>(who.data()), who.size()) * 31 + kNoiseVersion;
+  const std::string file = std::string(recipe.name) + ".bin";
+  const uint32_t channels = bytes_per_texel(recipe.format) / recipe.bytes_per_channel;
+  const size_t texels = bytes_of_mips(recipe.size, bytes_per_texel(recipe.format));
+  const size_t mips = full_mip_levels({recipe.size, recipe.size, recipe.size});
+  MippedVolume volume{.size = recipe.size, .texels = {}, .variances = std::vector<float>(mips * channels)};
+  const size_t tail = volume.variances.size() * sizeof(float);
+  if (std::optional<std::vector<std::byte>> blob = load_cached_blob(file, key); blob && blob->size() == texels + tail) {
+    std::memcpy(volume.variances.data(), blob->data() + texels, tail);
+    blob->resize(texels);
+    volume.texels = std::move(*blob);
+    return volume;
+  }
+  volume = generate(device, recipe);
+  std::vector<std::byte> blob = volume.texels;
+  blob.resize(texels + tail);
+  std::memcpy(blob.data() + texels, volume.variances.data(), tail);
+  store_cached_blob(file, key, blob);
+  return volume;
+}
+
+MippedVolume volume_of(gpu::Device& device, const Recipe& recipe, const std::string& file) {
+  if (file.empty()) return cached_volume(device, recipe);
+  NoiseVolumeFile read = read_noise_volume(file, recipe.channels);
+  return make_volume(recipe, std::move(read.planes), read.size, file);
+}
+
+gpu::Image upload_volume(gpu::Device& device, const Recipe& recipe, const MippedVolume& volume) {
+  const Extent3D extent{volume.size, volume.size, volume.size};
+  const uint32_t mips = full_mip_levels(extent);
+  gpu::Image image =
+      device.create_image({.name = recipe.name, .extent = extent, .format = recipe.format, .mip_levels = mips});
+  std::vector<gpu::ImageUpload> uploads;
+  size_t offset = 0;
+  for (uint32_t mip = 0, n = volume.size; mip < mips; ++mip, n /= 2) {
+    const size_t bytes = size_t{n} * n * n * bytes_per_texel(recipe.format);
+    uploads.push_back({.image = &image, .bytes = std::span(volume.texels).subspan(offset, bytes), .mip = mip});
+    offset += bytes;
+  }
+  device.upload(uploads);
+  return image;
+}
+
+/// Variances by mip: the mean of the channels first..first + count.
+std::vector<float> variances_of(const MippedVolume& volume, size_t channels, size_t first, size_t count) {
+  std::vector<float> variances(volume.variances.size() / channels, 0.0f);
+  for (size_t mip = 0; mip < variances.size(); ++mip)
+    for (size_t c = first; c < first + count; ++c)
+      variances[mip] += volume.variances[mip * channels + c] / static_cast<float>(count);
+  return variances;
+}
+
+float variance_left(float lod, float start, float per_lod) {
+  const float u = std::clamp((lod - start) * per_lod, 0.0f, 1.0f);
+  return 1.0f - u * u * (3.0f - 2.0f * u);
+}
+
+/// A small exhaustive fit of the largest error.
+CloudNoise::Fade fit_fade(const std::vector<float>& variances) {
+  CloudNoise::Fade fade;
+  float best = 1e9f;
+  for (int s = -40; s < 100; ++s)
+    for (int w = 10; w < 120; ++w) {
+      const float start = 0.05f * static_cast<float>(s), per_lod = 1.0f / (0.05f * static_cast<float>(w));
+      float error = 0.0f;
+      for (size_t mip = 0; mip < variances.size(); ++mip)
+        error = std::max(error, std::abs(variance_left(static_cast<float>(mip), start, per_lod) - variances[mip]));
+      if (error < best) {
+        best = error;
+        fade = {start, per_lod};
       }
-      variances.push_back(static_cast<float>(square / static_cast<double>(texels_of(n))));
-      level[c] = half_volume(level[c], n);
     }
+  return fade;
+}
+
+gpu::Image upload_blue_noise(gpu::Device& device, const std::string& file) {
+  std::vector<uint8_t> noise;
+  if (file.empty()) {
+    constexpr size_t kBytes = size_t{kBlueSize} * kBlueSize * kBlueSlices;
+    const auto blob = load_cached_blob("clouds.blue.bin", kNoiseVersion);
+    if (blob && blob->size() == kBytes) {
+      noise.resize(kBytes);
+      std::memcpy(noise.data(), blob->data(), kBytes);
+    } else {
+      noise = make_blue_noise();
+      const auto bytes = std::as_bytes(std::span(noise));
+      store_cached_blob("clouds.blue.bin", kNoiseVersion, {bytes.begin(), bytes.end()});
+    }
+  } else {
+    noise = read_blue_noise(file);
   }
-  const size_t offset = blob.size();
-  blob.resize(offset + variances.size() * sizeof(float));
-  std::memcpy(&blob[offset], variances.data(), variances.size() * sizeof(float));
-  return blob;
+  gpu::Image image = device.create_image(
+      {.name = "clouds.blue", .extent = {kBlueSize, kBlueSize, 1}, .format = Format::r8, .layers = kBlueSlices});
+  std::vector<gpu::ImageUpload> uploads;
+  constexpr size_t kSlice = size_t{kBlueSize} * kBlueSize;
+  for (uint32_t layer = 0; layer < kBlueSlices; ++layer)
+    uploads.push_back(
+        {.image = &image, .bytes = std::as_bytes(std::span(noise)).subspan(layer * kSlice, kSlice), .layer = layer});
+  device.upload(uploads);
+  return image;
 }
 
 }  // namespace
 
-void normalise_volume(std::vector<float>& values, bool gaussian) {
-  if (gaussian) {
-    std::vector<uint32_t> order(values.size());
-    for (uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::sort(order.begin(), order.end(),
-              [&](uint32_t a, uint32_t b) { return values[a] != values[b] ? values[a] < values[b] : a < b; });
-    for (size_t rank = 0; rank < order.size(); ++rank)
-      values[order[rank]] =
-          static_cast<float>(exact_probit((static_cast<double>(rank) + 0.5) / static_cast<double>(order.size())));
-    return;
-  }
-  double mean = 0.0, square = 0.0;
-  for (const float v : values) mean += v;
-  mean /= static_cast<double>(values.size());
-  for (const float v : values) square += (v - mean) * (v - mean);
-  const double scale = 1.0 / std::sqrt(std::max(square / static_cast<double>(values.size()), 1e-20));
-  for (float& v : values) v = static_cast<float>((v - mean) * scale);
+CloudNoise::CloudNoise(gpu::Device& device, const CloudNoiseParams& params) {
+  const auto make = [&](gpu::Image& image, const Recipe& recipe, const std::string& file) {
+    MippedVolume volume = volume_of(device, recipe, file);
+    image = upload_volume(device, recipe, volume);
+    return volume;
+  };
+  // Files first: what is wrong with them should show before anything is made.
+  const MippedVolume shape = make(shape_, kShape, params.shape.file);
+  const MippedVolume detail = make(detail_, kDetail, params.detail.file);
+  make(turbulence_, kTurbulence, params.turbulence.file);
+  blue_ = upload_blue_noise(device, params.blue_noise_file);
+  const MippedVolume field = make(field_, kField, "");
+  const MippedVolume cells = make(cells_, kCells, "");
+  variances_ = {variances_of(field, 4, 0, 4), variances_of(cells, 2, 0, 1), variances_of(cells, 2, 1, 1),
+                variances_of(shape, 1, 0, 1), variances_of(detail, 1, 0, 1)};
+  fades_ = {.field = fit_fade(variances_[0]),
+            .cells_round = fit_fade(variances_[1]),
+            .cells_fractal = fit_fade(variances_[2]),
+            .shape = fit_fade(variances_[3]),
+            .detail = fit_fade(variances_[4])};
 }
 
-std::vector<float> half_volume(const std::vector<float>& values, uint32_t size) {
-  if (size <= 1) return values;
-  const uint32_t half = size / 2;
-  std::vector<float> next(texels_of(half));
-  for (size_t z = 0, i = 0; z < half; ++z)
-    for (size_t y = 0; y < half; ++y)
-      for (size_t x = 0; x < half; ++x, ++i) {
-        float sum = 0.0f;
-        for (size_t k = 0; k < 8; ++k)
-          sum += values[((2 * z + (k >> 2)) * size + 2 * y + ((k >> 1) & 1)) * size + 2 * x + (k & 1)];
-        next[i] = sum / 8.0f;
-      }
-  return next;
+CloudNoise::Refs CloudNoise::import_into(FrameGraph& graph) const {
+  return {graph.import(field_),  graph.import(cells_),      graph.import(shape_),
+          graph.import(detail_), graph.import(turbulence_), graph.import(blue_)};
 }
 
-CloudNoise::CloudNoise(gpu::Device& device) {
-  gpu::ComputePipeline pipeline;
-  for (const Volume& volume : kVolumes) {
-    const uint32_t mips = full_mip_levels({volume.size, volume.size, volume.size});
-    size_t expected = mips * volume.channels * sizeof(float);
-    for (uint32_t n = volume.size; n >= 1; n /= 2)
-      expected += texels_of(n) * volume.channels * volume.bytes_per_channel;
-    const std::string file = std::string(volume.name) + ".bin";
-    std::optional<std::vector<std::byte>> blob = load_cached_blob(file, kNoiseVersion);
-    if (!blob || blob->size() != expected) {
-      if (!pipeline) pipeline = gpu::ComputePipeline(device, {.name = "clouds.noise", .spirv = cloud_noise_comp});
-      blob = make_blob(volume, run_generator(device, pipeline, volume));
-      store_cached_blob(file, kNoiseVersion, *blob);
-    }
-    gpu::Image image = device.create_image({.name = volume.name,
-                                            .extent = {volume.size, volume.size, volume.size},
-                                            .format = volume.format,
-                                            .mip_levels = mips});
-    std::vector<gpu::ImageUpload> uploads;
-    size_t offset = 0;
-    for (uint32_t mip = 0, n = volume.size; mip < mips; ++mip, n /= 2) {
-      const size_t bytes = texels_of(n) * volume.channels * volume.bytes_per_channel;
-      uploads.push_back({.image = &image, .bytes = std::span(*blob).subspan(offset, bytes), .mip = mip});
-      offset += bytes;
-    }
-    device.upload(uploads);
-    for (uint32_t mip = 0; mip < mips && mip < variance_.size(); ++mip)
-      for (uint32_t c = 0; c < volume.channels; ++c)
-        std::memcpy(&variance_[mip][static_cast<int>(volume.first_variance + c)],
-                    &(*blob)[offset + (mip * volume.channels + c) * sizeof(float)], sizeof(float));
-    (volume.kind == shared::kCloudNoiseField   ? field_
-     : volume.kind == shared::kCloudNoiseShape ? shape_
-                                               : detail_) = std::move(image);
-  }
-  // A small exhaustive fit: two numbers per noise.
-  for (int c = 0; c < 4; ++c) {
-    float best = 1e9f;
-    for (float start = -1.0f; start < 4.0f; start += 0.05f)
-      for (float width = 1.0f; width < 9.0f; width += 0.05f) {
-        float error = 0.0f;
-        for (size_t mip = 0; mip < variance_.size(); ++mip) {
-          const float d = shared::variance_left(static_cast<float>(mip), start, 1.0f / width) - variance_[mip][c];
-          error += d * d;
-        }
-        if (error < best) {
-          best = error;
-          fade_start_[c] = start;
-          fade_per_lod_[c] = 1.0f / width;
-        }
-      }
-  }
-}
+uint32_t CloudNoise::shape_size() const { return shape_.desc().extent.width; }
+uint32_t CloudNoise::detail_size() const { return detail_.desc().extent.width; }
+uint32_t CloudNoise::turbulence_size() const { return turbulence_.desc().extent.width; }
 
 }  // namespace nepho

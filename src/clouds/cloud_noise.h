@@ -3,6 +3,7 @@
 #include <glm/vec4.hpp>
 #include <vector>
 
+#include "clouds/volume_tools.h"
 #include "gpu/frame_graph.h"
 #include "scene/cloud_params.h"
 
@@ -54,11 +55,5 @@ class CloudNoise {
   Fades fades_;
   std::array<std::vector<float>, 5> variances_;
 };
-
-/// One channel of a cubic volume brought to mean 0 and variance 1; `gaussian` gives it a normal distribution by rank.
-void normalise_volume(std::vector<float>& values, bool gaussian);
-
-/// The next mip of a cubic volume of `size` texels a side: means of 2 x 2 x 2.
-std::vector<float> half_volume(const std::vector<float>& values, uint32_t size);
 
 }  // namespace nepho
