@@ -92,7 +92,8 @@ void describe(FieldVisitor& v, OzoneParams& p) {
 void describe(FieldVisitor& v, AtmosphereParams& p) {
   v.preset({.name = "preset",
             .doc = "values of everything in this group that is not given here; saved scenes have the values themselves",
-            .choices = atmosphere_preset_names()},
+            .choices = atmosphere_preset_names(),
+            .standard = "earth"},
            [&p](const std::string& name) {
              const std::optional<AtmosphereParams> preset = atmosphere_preset(name);
              if (preset) p = *preset;

@@ -25,7 +25,7 @@ struct CloudLayer {
   std::string base_reference = "ellipsoid";  ///< ellipsoid, msl (geoid), terrain (ground smoothed over some 20 km)
   double thickness_m = 1600.0;               ///< m, >= 0; 0 leaves the layer out
   double density_scale = 1.0;                ///< times the scattering and absorption coefficients, >= 0; 0 leaves it out
-  DensityProfile density_profile;
+  DensityProfile density_profile = {};
   double shape_amount = 1.0;           ///< 0..1: how much the shape noise carves and swells
   double detail_amount = 0.5;          ///< 0..1: how much the detail noise works on edges
   double weather_exponent = 1.0;       ///< a weather map's value v means the coverage v^exponent, > 0
@@ -48,7 +48,7 @@ struct CloudLayer {
 
 /// A tileable noise volume: made on the GPU, or read from a file (docs/clouds.md, 'Noise').
 struct NoiseTextureParams {
-  std::string file;                ///< empty: the built-in one
+  std::string file = {};           ///< empty: the built-in one
   double period_m = 6130.0;        ///< distance after which it repeats, m ("repeat" of other libraries: 1 / period)
   glm::dvec3 offset{0.0};          ///< shift along its own axes, in periods
   glm::dvec3 velocity_mps{0.0};    ///< east, north, up, relative to the layer's wind, m/s

@@ -73,7 +73,7 @@ struct Scene {
   CameraParams camera;
   AtmosphereParams atmosphere;
   NightSkyParams night_sky;
-  CloudParams clouds;
+  CloudParams clouds = cloud_sky("earth").value();
   TerrainParams terrain;
   ImageryParams imagery;
   RenderParams render;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "scene/atmosphere_fields.h"
+#include "scene/cloud_fields.h"
 #include "scene/field_ranges.h"
 
 namespace nepho {
@@ -88,77 +89,6 @@ void describe(FieldVisitor& v, CameraParams& p) {
           .range = open(0, 180),
           .term = "vertical field of view"},
          &p.fov_deg);
-}
-
-void describe(FieldVisitor& v, CloudLayer& p) {
-  v.leaf({.name = "base_m", .doc = "height of the base above the ellipsoid", .unit = "m", .range = closed(-500, 1e5)},
-         &p.base_m);
-  v.leaf({.name = "thickness_m",
-          .doc = "height of the top above the base; 0 leaves the layer out",
-          .unit = "m",
-          .range = closed(0, 1e5)},
-         &p.thickness_m);
-  v.leaf({.name = "extinction_per_m",
-          .doc = "extinction coefficient at density 1; more darkens bases and sharpens edges",
-          .unit = "1/m",
-          .range = closed(0, 10),
-          .term = "sigma_t"},
-         &p.extinction_per_m);
-  v.leaf({.name = "shape_amount", .doc = "how much the coarse noise carves", .range = share()}, &p.shape_amount);
-  v.leaf({.name = "detail_amount", .doc = "how much the fine noise erodes the edges", .range = share()},
-         &p.detail_amount);
-}
-
-void describe(FieldVisitor& v, CloudParams& p) {
-  v.leaf({.name = "coverage",
-          .doc = "vertically projected share of the sky with optical depth > 1; 0 is clear",
-          .range = share(),
-          .term = "cloud fraction"},
-         &p.coverage);
-  v.items({.name = "layers", .doc = "cloud layers; only the first is drawn so far"},
-          {.list = true,
-           .max = 4,
-           .size = [&p] { return p.layers.size(); },
-           .resize =
-               [&p](size_t n) {
-                 p.layers.clear();
-                 p.layers.resize(n);
-               },
-           .visit = [&p](FieldVisitor& visitor, size_t i) { describe(visitor, p.layers[i]); },
-           .visit_default =
-               [](FieldVisitor& visitor) {
-                 CloudLayer defaults;
-                 describe(visitor, defaults);
-               }});
-  v.leaf({.name = "weather_seed", .doc = "another number, another planet's weather", .range = closed(0, 4294967295.0)},
-         &p.weather_seed);
-  v.leaf({.name = "weather_contrast",
-          .doc = "how far large-scale weather departs from coverage: 0 the same everywhere, 0.9 clear deserts beside "
-                 "overcast storms; the mean over the globe stays coverage",
-          .range = closed(0, 0.95)},
-         &p.weather_contrast);
-  v.leaf({.name = "wind_east_mps",
-          .doc = "eastward drift of the whole field at the equator",
-          .unit = "m/s",
-          .range = closed(-200, 200),
-          .term = "zonal wind u"},
-         &p.wind_east_mps);
-  v.leaf({.name = "uniform_density",
-          .doc = "above 0 the first layer is an even slab of this density, for tests of the march",
-          .range = closed(0, 10)},
-         &p.uniform_density);
-  v.leaf({.name = "phase_g_forward",
-          .doc = "asymmetry of the forward lobe of scattering by droplets; towards 1 the silver lining is brighter",
-          .range = open(-1, 1),
-          .term = "g of Henyey-Greenstein 1941"},
-         &p.phase_g_forward);
-  v.leaf({.name = "phase_g_backward",
-          .doc = "asymmetry of the backward lobe; towards -1 clouds opposite the sun are brighter",
-          .range = open(-1, 1),
-          .term = "g of Henyey-Greenstein 1941"},
-         &p.phase_g_backward);
-  v.leaf({.name = "phase_backward_weight", .doc = "share of the backward lobe", .range = share()},
-         &p.phase_backward_weight);
 }
 
 void describe(FieldVisitor& v, TerrainParams& p) {
@@ -299,8 +229,7 @@ void visit_fields(FieldVisitor& v, Scene& scene) {
           .text = TextKind::utc},
          &scene.time);
   v.group({.name = "camera", .doc = "where the picture is taken from"}, [&] { describe(v, scene.camera); });
-  v.group({.name = "atmosphere", .doc = "clear air; vectors hold the values at 680, 550, 440 nm"},
-          [&] { describe(v, scene.atmosphere); });
+  v.group({.name = "atmosphere", .doc = "clear air"}, [&] { describe(v, scene.atmosphere); });
   v.group({.name = "night_sky", .doc = "what the night sky holds besides the air"},
           [&] { describe(v, scene.night_sky); });
   v.group({.name = "clouds", .doc = "the sky's clouds"}, [&] { describe(v, scene.clouds); });

@@ -23,8 +23,8 @@ struct Range {
   std::string text(const std::string& unit = "") const;
 };
 
-/// What a string holds.
-enum class TextKind { plain, file, utc };
+/// What a string holds. An optional file may be empty.
+enum class TextKind { plain, file, optional_file, utc };
 
 /// Everything that is known about one parameter, said once: reading, writing, checks, the JSON Schema and
 /// docs/parameters.md follow from it.
@@ -34,11 +34,14 @@ struct Field {
   std::string unit = {};                  ///< "m", "deg", "1/m"; empty: none
   Range range = {};                       ///< numbers; each component of a vector
   std::string term = {};                  ///< its name, symbol or source in the literature
+  std::string other_names = {};           ///< what other libraries call it
+  std::string components = {};            ///< of a vector: "east, north, up"; empty: the values at 680, 550, 440 nm
   std::vector<std::string> choices = {};  ///< allowed strings; empty: any
   TextKind text = TextKind::plain;
+  std::string standard = {};  ///< of a preset or a list: the default in words; empty: none
 };
 
-/// A parameter of a scene at hand. The three components of a vector belong to 680, 550, 440 nm.
+/// A parameter of a scene at hand.
 using Leaf = std::variant<double*, std::optional<double>*, glm::dvec3*, uint32_t*, int*, bool*, std::string*,
                           std::vector<std::string>*>;
 

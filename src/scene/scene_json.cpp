@@ -193,13 +193,43 @@ class Writer : public FieldVisitor {
   Json* at_ = &root;
 };
 
-void for_each_raster(Scene& scene, const std::function<void(std::string&)>& change) {
-  for (std::vector<std::string>* list : {&scene.terrain.elevation, &scene.imagery.files})
-    for (std::string& raster : *list)
-      if (is_local_path(raster)) change(raster);
+/// Calls a function with the name of every file of a scene that is a path of this machine.
+class FileVisitor : public FieldVisitor {
+ public:
+  explicit FileVisitor(const std::function<void(std::string&)>& use) : use_(use) {}
+
+ protected:
+  void on_leaf(const Field& field, Leaf value) override {
+    if (field.text != TextKind::file && field.text != TextKind::optional_file) return;
+    if (std::string* const* file = std::get_if<std::string*>(&value)) use(**file);
+    if (std::vector<std::string>* const* files = std::get_if<std::vector<std::string>*>(&value))
+      for (std::string& file : **files) use(file);
+  }
+  void on_group(const Field&, const std::function<void()>& members) override { members(); }
+  void on_items(const Field&, const Items& items) override {
+    for (size_t i = 0; i < items.size(); ++i) items.visit(*this, i);
+  }
+
+ private:
+  void use(std::string& file) {
+    if (!file.empty() && is_local_path(file)) use_(file);
+  }
+  const std::function<void(std::string&)>& use_;
+};
+
+void for_each_file(Scene& scene, const std::function<void(std::string&)>& change) {
+  FileVisitor visitor(change);
+  visit_fields(visitor, scene);
 }
 
 }  // namespace
+
+std::vector<std::string> local_files(const Scene& scene) {
+  Scene copy = scene;
+  std::vector<std::string> files;
+  for_each_file(copy, [&](std::string& file) { files.push_back(file); });
+  return files;
+}
 
 bool is_local_path(const std::string& raster) {
   return !raster.starts_with("/vsi") && raster.find(':') == std::string::npos;
@@ -221,8 +251,8 @@ Scene scene_from_json(const std::string& text, const std::string& source) {
 
 Scene load_scene(const fs::path& path) {
   Scene scene = scene_from_json(read_text_file(path), path.string());
-  for_each_raster(scene, [&](std::string& raster) {
-    if (fs::path(raster).is_relative()) raster = (path.parent_path() / raster).lexically_normal().string();
+  for_each_file(scene, [&](std::string& file) {
+    if (fs::path(file).is_relative()) file = (path.parent_path() / file).lexically_normal().string();
   });
   return scene;
 }
@@ -237,10 +267,10 @@ std::string scene_to_json(const Scene& scene) {
 void save_scene(const fs::path& path, const Scene& scene) {
   Scene placed = scene;
   const fs::path folder = fs::absolute(path).lexically_normal().parent_path();
-  for_each_raster(placed, [&](std::string& raster) {
-    const fs::path whole = fs::absolute(raster).lexically_normal();
+  for_each_file(placed, [&](std::string& file) {
+    const fs::path whole = fs::absolute(file).lexically_normal();
     const fs::path inside = whole.lexically_relative(folder);
-    raster = (inside.empty() || *inside.begin() == ".." ? whole : inside).string();
+    file = (inside.empty() || *inside.begin() == ".." ? whole : inside).string();
   });
   write_whole_file(path, [&](const fs::path& temporary) {
     std::ofstream file(temporary, std::ios::binary);

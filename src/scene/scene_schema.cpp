@@ -47,8 +47,14 @@ Json schema_of(const Field&, std::vector<std::string>*) {
   return {{"type", "array"}, {"items", {{"type", "string"}, {"minLength", 1}}}};
 }
 
-std::string description_of(const Field& field) {
-  return field.unit.empty() ? field.doc : fmt::format("{} [{}]", field.doc, field.unit);
+/// The meaning of a parameter; of a vector, with that of its components.
+std::string meaning_of(const Field& field, const Leaf& value) {
+  if (!std::holds_alternative<glm::dvec3*>(value)) return field.doc;
+  return fmt::format("{}: {}", field.doc, field.components.empty() ? "at 680, 550, 440 nm" : field.components);
+}
+
+std::string description_of(const Field& field, const Leaf& value) {
+  return field.unit.empty() ? meaning_of(field, value) : fmt::format("{} [{}]", meaning_of(field, value), field.unit);
 }
 
 class SchemaWriter : public FieldVisitor {
@@ -58,7 +64,7 @@ class SchemaWriter : public FieldVisitor {
  protected:
   void on_leaf(const Field& field, Leaf value) override {
     Json schema = std::visit([&](auto* p) { return schema_of(field, p); }, value);
-    schema["description"] = description_of(field);
+    schema["description"] = description_of(field, value);
     schema["default"] = std::visit([](auto* p) { return default_of(*p); }, value);
     (*at_)[field.name] = std::move(schema);
   }
@@ -66,8 +72,9 @@ class SchemaWriter : public FieldVisitor {
     (*at_)[field.name] = object_schema(field, members);
   }
   void on_preset(const Field& field, const std::function<bool(const std::string&)>&) override {
-    (*at_)[field.name] = {
-        {"type", "string"}, {"enum", field.choices}, {"description", field.doc}, {"default", field.choices.front()}};
+    Json schema{{"type", "string"}, {"enum", field.choices}, {"description", field.doc}};
+    if (!field.standard.empty()) schema["default"] = field.standard;
+    (*at_)[field.name] = std::move(schema);
   }
   void on_items(const Field& field, const Items& items) override {
     Json item = object_schema(field, [&] { items.visit_default(*this); });
@@ -104,18 +111,23 @@ class MarkdownWriter : public FieldVisitor {
  protected:
   void on_leaf(const Field& field, Leaf value) override {
     const Json standard = std::visit([](auto* p) { return default_of(*p); }, value);
-    row(field, range_of(field, value), standard.dump());
+    row(field, range_of(field, value), "`" + standard.dump() + "`", meaning_of(field, value));
   }
   void on_group(const Field& field, const std::function<void()>& members) override {
-    section(path(), sentence(field.doc), members);
+    section(heading(), intro(field), members);
   }
   void on_preset(const Field& field, const std::function<bool(const std::string&)>&) override {
-    row(field, fmt::format("{}", fmt::join(field.choices, ", ")), Json(field.choices.front()).dump());
+    row(field, fmt::format("{}", fmt::join(field.choices, ", ")),
+        field.standard.empty() ? "" : fmt::format("`\"{}\"`", field.standard), field.doc);
   }
   void on_items(const Field& field, const Items& items) override {
     row(field, items.list ? fmt::format("list of 0..{}", items.max) : "see below",
-        items.list ? fmt::format("{} with defaults", items.size()) : "null");
-    section(path() + (items.list ? "[]" : ""), sentence(field.doc), [&] { items.visit_default(*this); });
+        items.list ? field.standard : "`null`", field.doc);
+    const auto members = [&] { items.visit_default(*this); };
+    if (items.list)
+      at_index(0, [&] { section(heading(), intro(field), members); });
+    else
+      section(heading(), intro(field), members);
   }
 
  private:
@@ -123,30 +135,41 @@ class MarkdownWriter : public FieldVisitor {
     std::string rows, inner;
   };
   static constexpr const char* kHead =
-      "\n| key | unit | range | default | meaning | in the literature |\n|---|---|---|---|---|---|\n";
+      "\n| key | unit | range | default | meaning | in the literature | in other libraries |\n"
+      "|---|---|---|---|---|---|---|\n";
 
-  void row(const Field& field, const std::string& range, const std::string& standard) {
+  void row(const Field& field, const std::string& range, const std::string& standard, const std::string& meaning) {
     std::string& rows = sections_.back().rows;
     if (rows.empty()) rows = kHead;
-    rows += fmt::format("| `{}` | {} | {} | `{}` | {} | {} |\n", field.name, field.unit, range, standard, field.doc,
-                        field.term);
+    rows += fmt::format("| `{}` | {} | {} | {} | {} | {} | {} |\n", field.name, field.unit, range, standard, meaning,
+                        field.term, field.other_names);
   }
-  void section(const std::string& heading, const std::string& intro, const std::function<void()>& members) {
+  /// The path without the numbers of items: "clouds.layers[].density_profile".
+  std::string heading() const {
+    std::string text = path();
+    for (size_t at; (at = text.find("[0]")) != std::string::npos;) text.erase(at + 1, 1);
+    return text;
+  }
+  void section(const std::string& title, const std::string& introduction, const std::function<void()>& members) {
     sections_.emplace_back();
     members();
     const Section done = std::move(sections_.back());
     sections_.pop_back();
-    sections_.back().inner += fmt::format("\n## {}\n\n{}\n{}{}", heading, intro, done.rows, done.inner);
+    sections_.back().inner += fmt::format("\n## {}\n\n{}\n{}{}", title, introduction, done.rows, done.inner);
   }
-  static std::string sentence(std::string doc) {
-    doc[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(doc[0])));
-    return doc + ".";
+  static std::string intro(const Field& field) {
+    std::string text = field.doc + ".";
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+    if (!field.term.empty()) text += fmt::format(" In the literature: {}.", field.term);
+    if (!field.other_names.empty()) text += fmt::format(" In other libraries: {}.", field.other_names);
+    return text;
   }
   static std::string range_of(const Field& field, const Leaf& value) {
     if (!field.choices.empty()) return fmt::format("{}", fmt::join(field.choices, ", "));
     if (std::holds_alternative<bool*>(value)) return "true, false";
     if (std::holds_alternative<std::vector<std::string>*>(value)) return "list of files";
-    if (std::holds_alternative<std::string*>(value)) return field.text == TextKind::utc ? "1900..2100" : "";
+    if (std::holds_alternative<std::string*>(value))
+      return field.text == TextKind::utc ? "1900..2100" : field.text == TextKind::optional_file ? "file" : "";
     return std::holds_alternative<std::optional<double>*>(value) ? field.range.text() + ", null" : field.range.text();
   }
   std::vector<Section> sections_{1};
@@ -172,9 +195,9 @@ std::string parameters_markdown() {
   MarkdownWriter writer;
   visit_fields(writer, scene);
   return "# Parameters\n\n"
-         "Written by `./nepho schema --parameters` from `src/scene/scene_fields.cpp`. Every parameter of a scene file\n"
-         "([scene.md](scene.md)). Keys not given have their default; vectors hold the values at 680, 550 and 440 "
-         "nm.\n" +
+         "Written by `./nepho schema --parameters` from `src/scene/*_fields.cpp`. Every parameter of a scene file\n"
+         "([scene.md](scene.md)). Keys not given have their default. Names in other libraries are those of\n"
+         "@takram/three-clouds (its `CloudLayer` and the properties of its `CloudsEffect`).\n" +
          writer.text();
 }
 

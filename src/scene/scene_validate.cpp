@@ -1,7 +1,7 @@
 #include "scene/scene_validate.h"
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 
 #include "scene/scene_fields.h"
 #include "scene/scene_time.h"
@@ -71,12 +71,42 @@ class Validator : public FieldVisitor {
   const NameParameter& name_;
 };
 
+/// The largest value of a profile over 0..1.
+double densest(const DensityProfile& p) {
+  const auto at = [&](double eta) {
+    return p.exp_term * std::exp(p.exponent * eta) + p.linear_term * eta + p.constant_term;
+  };
+  double most = std::max(at(0.0), at(1.0));
+  // Where the slope is 0, a b exp(b eta) = -c.
+  const double ratio = -p.linear_term / (p.exp_term * p.exponent);
+  const double eta = ratio > 0.0 && std::isfinite(ratio) ? std::log(ratio) / p.exponent : 0.0;
+  if (eta > 0.0 && eta < 1.0) most = std::max(most, at(eta));
+  return most;
+}
+
+void check_clouds(const CloudParams& clouds, const Validator& validator) {
+  for (size_t i = 0; i < clouds.layers.size(); ++i)
+    if (clouds.layers[i].density_scale > 0.0 && !(densest(clouds.layers[i].density_profile) > 0.0))
+      throw validator.wrong(
+          fmt::format("clouds.layers[{}].density_profile", i),
+          "nowhere above 0 from base to top; raise constant_term, or leave the layer out with density_scale 0");
+  const WeatherParams& weather = clouds.weather;
+  if (weather.source == "procedural" && !weather.file.empty())
+    throw validator.wrong("clouds.weather.file",
+                          fmt::format("'{}' is not looked at by source procedural; give source raster for a map of the "
+                                      "globe, tile for a texture that repeats",
+                                      weather.file));
+  if (weather.source != "procedural" && weather.file.empty())
+    throw validator.wrong("clouds.weather.file", fmt::format("is empty; source {} needs a file", weather.source));
+}
+
 /// Rules between parameters.
 void check_together(const Scene& scene, const Validator& validator) {
   if (scene.camera.height_m && scene.camera.agl_m)
     throw validator.wrong("camera.agl_m", "camera.height_m is given too; keep one of the two");
   if (const auto problem = find_problem(scene.atmosphere))
     throw validator.wrong("atmosphere." + problem->member, problem->reason);
+  check_clouds(scene.clouds, validator);
   if (scene.render.min_ev100 > scene.render.max_ev100)
     throw validator.wrong("render.min_ev100", fmt::format("{} is larger than max_ev100 {}", scene.render.min_ev100,
                                                           scene.render.max_ev100));

@@ -98,6 +98,11 @@ TEST_CASE("the table of parameters has every member of the scene's structs") {
   CHECK(members_of("night_sky.") == member_count<NightSkyParams>());
   CHECK(members_of("clouds.") == member_count<CloudParams>());
   CHECK(members_of("clouds.layers[0].") == member_count<CloudLayer>());
+  CHECK(members_of("clouds.layers[0].density_profile.") == member_count<DensityProfile>());
+  CHECK(members_of("clouds.weather.") == member_count<WeatherParams>());
+  CHECK(members_of("clouds.noise.") == member_count<CloudNoiseParams>());
+  for (const char* texture : {"shape.", "detail.", "turbulence."})
+    CHECK(members_of(std::string("clouds.noise.") + texture) == member_count<NoiseTextureParams>());
   CHECK(members_of("terrain.") == member_count<TerrainParams>());
   CHECK(members_of("imagery.") == member_count<ImageryParams>());
   CHECK(members_of("render.") == member_count<RenderParams>());
@@ -141,8 +146,10 @@ TEST_CASE("the JSON of a scene names every parameter") {
 }
 
 TEST_CASE("null takes an optional member away") {
-  const Scene scene = scene_from_json(R"({"camera": {"height_m": null, "look_at": null}})", "s.json");
+  const Scene scene = scene_from_json(
+      R"({"camera": {"height_m": null, "look_at": null}, "clouds": {"preset": "fair", "coverage": null}})", "s.json");
   CHECK_FALSE(scene.camera.height_m.has_value());
+  CHECK_FALSE(scene.clouds.coverage.has_value());
   CHECK_FALSE(scene.camera.look_at.has_value());
 }
 
@@ -187,10 +194,10 @@ TEST_CASE("a value out of its range is an error with path, value and range") {
 
 TEST_CASE("a wrong type is an error with path, what is expected and what was found") {
   CHECK(reading_fails(R"({"clouds": {"coverage": "0.4"}})") ==
-        "s.json: clouds.coverage: expected a number, found the string \"0.4\"");
+        "s.json: clouds.coverage: expected a number or null, found the string \"0.4\"");
   CHECK(reading_fails(R"({"clouds": []})") == "s.json: clouds: expected an object, found a list of 0");
   CHECK(reading_fails("[]") == "s.json: expected an object, found a list of 0");
-  CHECK(reading_fails(R"({"clouds": {"coverage": null}})") == "s.json: clouds.coverage: expected a number, found null");
+  CHECK(reading_fails(R"({"camera": {"fov_deg": null}})") == "s.json: camera.fov_deg: expected a number, found null");
   CHECK(reading_fails(R"({"render": {"width": 1.5}})") == "s.json: render.width: expected a whole number, found 1.5");
   CHECK(reading_fails(R"({"terrain": {"elevation": "a.tif"}})") ==
         "s.json: terrain.elevation: expected a list of strings, found the string \"a.tif\"");
@@ -241,14 +248,24 @@ TEST_CASE("relative raster paths of a scene file are relative to the file, and s
   fs::remove_all(dir);
   fs::create_directories(dir / "in" / "dem");
   std::ofstream(dir / "in" / "s.json")
-      << R"({"terrain": {"elevation": ["dem/a.tif", "/abs/b.tif", "../c.tif", "NETCDF:d.nc:v", "/vsizip/e.zip"]}})";
+      << R"({"terrain": {"elevation": ["dem/a.tif", "/abs/b.tif", "../c.tif", "NETCDF:d.nc:v", "/vsizip/e.zip"]},
+             "clouds": {"weather": {"source": "raster", "file": "w.png"},
+                        "noise": {"shape": {"file": "dem/s.bin"}, "blue_noise_file": "/abs/b.bin"}}})";
   const Scene scene = load_scene(dir / "in" / "s.json");
   const std::vector<std::string> expected{dir / "in" / "dem" / "a.tif", "/abs/b.tif", dir / "c.tif", "NETCDF:d.nc:v",
                                           "/vsizip/e.zip"};
   CHECK(scene.terrain.elevation == expected);
+  CHECK(scene.clouds.weather.file == (dir / "in" / "w.png").string());
+  CHECK(scene.clouds.noise.shape.file == (dir / "in" / "dem" / "s.bin").string());
+  CHECK(scene.clouds.noise.detail.file.empty());
+  CHECK(scene.clouds.noise.blue_noise_file == "/abs/b.bin");
+  CHECK(local_files(scene) == std::vector<std::string>{scene.clouds.weather.file, scene.clouds.noise.shape.file,
+                                                       "/abs/b.bin", expected[0], expected[1], expected[2]});
   save_scene(dir / "in" / "saved.json", scene);
   CHECK(load_scene(dir / "in" / "saved.json") == scene);
-  CHECK(read_text_file(dir / "in" / "saved.json").find("\"dem/a.tif\"") != std::string::npos);
+  const std::string saved = read_text_file(dir / "in" / "saved.json");
+  for (const char* relative : {"\"dem/a.tif\"", "\"w.png\"", "\"dem/s.bin\""})
+    CHECK(saved.find(relative) != std::string::npos);
   fs::remove_all(dir);
 }
 
