@@ -1,28 +1,26 @@
-// The global weather map: layout of its generator and the closed forms of its coverage (docs/clouds.md, 'Coverage').
+// The global weather map: layout of its generator, and closed forms of coverage (docs/weather.md).
 #ifndef NEPHO_WEATHER_SHARED_H
 #define NEPHO_WEATHER_SHARED_H
+#include "common/cube_sphere.h"
 #include "common/shared.h"
 SHARED_BEGIN
 
-SHARED_CONST uint kWeatherVortices = 28u;
+SHARED_CONST uint kWeatherVortices = 48u;
+SHARED_CONST uint kWeatherDecks = 6u;
 
-struct WeatherGenerate {
-  vec4 vortices[28];  // xyz: unit centre on the sphere, w: turn at the centre, rad (sign: sense of rotation)
-  vec4 vortex_size;   // x: e-folding radius in rad of vortex 0, y: added per vortex index
-  uint size;          // texels along a face
-  uint seed;
+struct WeatherVortex {
+  vec3 centre;    // unit, scaled axes
+  float turn;     // of the air at the centre during the time of the trace, rad; > 0 counter-clockwise
+  float radius;   // where the turn is half of that, rad
+  float tropical; // 1 for tropical cyclones, 0 for others
 };
 
-// Unit direction (scaled ECEF axes) of a cube face's point; u, v in -1..1. The faces and their axes are Vulkan's.
-SHARED_FN vec3 cube_direction(uint face, float u, float v) {
-  vec3 d = vec3(1.0f, -v, -u);
-  if (face == 1u) d = vec3(-1.0f, -v, u);
-  if (face == 2u) d = vec3(u, 1.0f, v);
-  if (face == 3u) d = vec3(u, -1.0f, -v);
-  if (face == 4u) d = vec3(u, -v, 1.0f);
-  if (face == 5u) d = vec3(-u, -v, -1.0f);
-  return normalize(d);
-}
+struct WeatherGenerate {
+  WeatherVortex vortices[48];
+  vec4 decks[6];  // stratocumulus: xyz unit centre, w: half width in latitude, rad
+  uint size;      // texels along a face
+  uint seed;
+};
 
 // The standard normal's distribution function by the logistic approximation, error below 0.0095 (Bowling 2009 has a
 // closer one; this inverts in closed form).

@@ -2,173 +2,197 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <random>
+#include <glm/gtc/packing.hpp>
+#include <optional>
 
-#include "gpu/commands.h"
-#include "gpu/graph_executor.h"
-#include "gpu/pipeline.h"
-#include "weather/blob_cache.h"
-#include "weather/weather_generate.comp.h"
-#include "weather/weather_shared.h"
+#include "base/error.h"
+#include "weather/coverage_statistics.h"
+#include "weather/cube_field.h"
+#include "weather/raster_weather.h"
+#include "weather/weather_generator.h"
+#include "weather/weather_ground.h"
 
 namespace nepho {
+
 namespace {
 
-constexpr uint64_t kGeneratorVersion = 1;
-static_assert(sizeof(shared::WeatherGenerate) == (shared::kWeatherVortices + 1) * 16 + 8);
+constexpr double kUniformTexel_m = 1e9;
+constexpr std::array<float, 4> kNeutral = {0.5f, 0.0f, 1.0f, 0.0f};
 
-/// Cyclones of the middle latitudes, both hemispheres, from the seed. North ones turn counter-clockwise.
-shared::WeatherGenerate generator_parameters(uint32_t size, uint32_t seed) {
-  shared::WeatherGenerate g{};
-  std::mt19937 random(seed);
-  const auto uniform = [&] { return static_cast<double>(random()) / 4294967296.0; };
-  for (uint32_t i = 0; i < shared::kWeatherVortices; ++i) {
-    const double side = i % 2 == 0 ? 1.0 : -1.0;
-    const double slot = static_cast<double>(i / 2) / (shared::kWeatherVortices / 2.0);
-    const double lon = 2.0 * std::numbers::pi * (slot + 0.05 * uniform());
-    const double lat = side * (40.0 + 24.0 * uniform()) * std::numbers::pi / 180.0;
-    const double turn = side * (2.2 + 2.6 * uniform());
-    g.vortices[i] = glm::vec4(std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat), turn);
-  }
-  g.vortex_size = glm::vec4(0.11f, 0.003f, 0.0f, 0.0f);
-  g.size = size;
-  g.seed = seed * 1000u;
-  return g;
+bool is_drawn(const CloudLayer& layer) { return layer.thickness_m > 0.0 && layer.density_scale > 0.0; }
+
+/// Distinct weather channels of the layers that are drawn, at least one.
+uint32_t channels_used(const std::vector<CloudLayer>& layers) {
+  std::string seen;
+  for (const CloudLayer& layer : layers)
+    if (is_drawn(layer) && seen.find(layer.weather_channel) == std::string::npos) seen += layer.weather_channel;
+  return std::max<uint32_t>(1, static_cast<uint32_t>(seen.size()));
 }
 
-double normal_share(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
+bool asks_for_ground(const std::vector<CloudLayer>& layers) {
+  return std::any_of(layers.begin(), layers.end(),
+                     [](const CloudLayer& layer) { return is_drawn(layer) && layer.base_reference != "ellipsoid"; });
+}
+
+gpu::Image one_color_cube(gpu::Device& device, const char* name, Format format, std::vector<float> texel) {
+  return make_cube_image(device, name, format, 1, [&](uint32_t) { return texel; });
+}
 
 }  // namespace
 
-double exact_probit(double p) {
-  if (p <= 1e-12) return -8.0;
-  if (p >= 1.0 - 1e-12) return 8.0;
-  constexpr double a[] = {-3.969683028665376e+01, 2.209460984245205e+02,  -2.759285104469687e+02,
-                          1.383577518672690e+02,  -3.066479806614716e+01, 2.506628277459239e+00};
-  constexpr double b[] = {-5.447609879822406e+01, 1.615858368580409e+02, -1.556989798598866e+02, 6.680131188771972e+01,
-                          -1.328068155288572e+01};
-  constexpr double c[] = {-7.784894002430293e-03, -3.223964580411365e-01, -2.400758277161838e+00,
-                          -2.549732539343734e+00, 4.374664141464968e+00,  2.938163982698783e+00};
-  constexpr double d[] = {7.784695709041462e-03, 3.224671290700398e-01, 2.445134137142996e+00, 3.754408661907416e+00};
-  if (p < 0.02425 || p > 1.0 - 0.02425) {
-    const double q = std::sqrt(-2.0 * std::log(std::min(p, 1.0 - p)));
-    const double x = (((((c[0] * q + c[1]) * q + c[2]) * q + c[3]) * q + c[4]) * q + c[5]) /
-                     ((((d[0] * q + d[1]) * q + d[2]) * q + d[3]) * q + 1.0);
-    return p < 0.5 ? x : -x;
-  }
-  const double q = p - 0.5, r = q * q;
-  return (((((a[0] * r + a[1]) * r + a[2]) * r + a[3]) * r + a[4]) * r + a[5]) * q /
-         (((((b[0] * r + b[1]) * r + b[2]) * r + b[3]) * r + b[4]) * r + 1.0);
+/// Equal contents mean equal images.
+struct WeatherMap::Made {
+  std::optional<double> coverage;
+  WeatherParams weather;
+  uint32_t channels = 1;
+  bool ground = false;
+  WeatherSources sources;
+  std::optional<GeneratedWeather> generated;  // of weather.seed
+};
+
+WeatherMap::WeatherMap(gpu::Device& device, uint32_t procedural_size)
+    : device_(device), procedural_size_(procedural_size) {
+  tile_ = make_tile_image(device_, "weather.tile", Format::rgba8, 1, 1, {1.0f, 1.0f, 1.0f, 1.0f});
 }
 
-double local_coverage(double rank, const WeatherSettings& settings) {
-  if (settings.coverage <= 0.0) return 0.0;
-  if (settings.coverage >= 1.0) return 1.0;
-  const double s = std::clamp(settings.contrast, 0.0, 0.95);
-  return normal_share((exact_probit(settings.coverage) + s * exact_probit(rank)) / std::sqrt(1.0 - s * s));
+WeatherMap::~WeatherMap() = default;
+
+WeatherMap::Refs WeatherMap::import_into(FrameGraph& graph) const {
+  return {graph.import(coverage_), graph.import(properties_), graph.import(ground_), graph.import(tile_)};
 }
 
-WeatherMap::WeatherMap(gpu::Device& device, uint32_t size) : device_(device), size_(size) {
-  image_ = device.create_image({.name = "weather.coverage",
-                                .extent = {size, size},
-                                .format = Format::rgba8,
-                                .mip_levels = full_mip_levels({size, size}),
-                                .layers = 6,
-                                .cube = true});
+WeatherMap::OffsetRange WeatherMap::base_offset_range(const std::string& base_reference) const {
+  OffsetRange range = base_offset_;
+  const OffsetRange reference = base_reference == "msl"       ? geoid_
+                                : base_reference == "terrain" ? ground_range_
+                                                              : OffsetRange{};
+  return {range.low_m + reference.low_m, range.high_m + reference.high_m};
 }
 
-double WeatherMap::texel_m() const { return 2.0 * 6378137.0 / size_; }
+void WeatherMap::update(const CloudParams& params, const WeatherSources& sources) {
+  const uint32_t channels = channels_used(params.layers);
+  const bool ground = asks_for_ground(params.layers);
+  const bool first = !made_;
+  if (first) made_ = std::make_unique<Made>();
+  const bool from_raster = !params.coverage && params.weather.source == "raster";
+  const bool from_tile = !params.coverage && params.weather.source == "tile";
+  if (from_raster && !sources.weather)
+    throw fail(ErrorKind::usage,
+               "clouds.weather.source: raster needs a file; give clouds.weather.file or --weather FILE");
+  if (from_tile && !sources.tile)
+    throw fail(ErrorKind::usage, "clouds.weather.source: tile needs a file; give clouds.weather.file");
 
-std::vector<uint16_t> WeatherMap::make_ranks(uint32_t seed) const {
-  const std::string name = "weather_" + std::to_string(size_) + "_" + std::to_string(seed) + ".bin";
-  const uint64_t key = kGeneratorVersion << 32 | seed;
-  const size_t texels = size_t{6} * size_ * size_;
-  std::vector<uint16_t> ranks(texels);
-  if (const auto cached = load_cached_blob(name, key); cached && cached->size() == texels * sizeof(uint16_t)) {
-    std::memcpy(ranks.data(), cached->data(), cached->size());
-    return ranks;
+  const bool same_source = params.coverage == made_->coverage && (params.coverage || params.weather == made_->weather);
+  const bool same_raster = !from_raster || (made_->sources.weather == sources.weather && made_->channels == channels);
+  const bool same_tile = !from_tile || made_->sources.tile == sources.tile;
+  const bool same_ground =
+      made_->ground == ground &&
+      (!ground || (made_->sources.elevation == sources.elevation && made_->sources.geoid == sources.geoid));
+  if (first || !same_source || !same_raster || !same_tile) {
+    if (params.coverage)
+      make_uniform(*params.coverage);
+    else if (from_raster)
+      make_raster(*sources.weather, channels);
+    else if (from_tile)
+      make_tile(*sources.tile);
+    else
+      make_procedural(params.weather);
   }
-
-  const gpu::ComputePipeline pipeline(device_, {.name = "weather.generate", .spirv = weather_generate_comp});
-  FrameGraph graph;
-  const ImageRef raw = graph.create("weather.raw", {.extent = {size_, size_}, .format = Format::r32f, .layers = 6});
-  const BufferRef parameters = graph.constants("weather.generate", generator_parameters(size_, seed));
-  graph.pass("weather.generate")
-      .uniform("generate", parameters)
-      .write("out_weather", raw)
-      .record([&](gpu::Commands& cmd) { cmd.bind(pipeline).dispatch_threads(size_, size_, 6); });
-  graph.keep(raw);
-  gpu::GraphExecutor executor(device_);
-  executor.run(graph);
-  const std::vector<float> values = executor.read<float>(raw);
-
-  // Ranks over the globe's area: a histogram weighted with the texels' solid angle, (1 + u^2 + v^2)^-3/2.
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  const double lowest = *low, range = std::max(1e-6, static_cast<double>(*high) - lowest);
-  constexpr size_t kBins = 8192;
-  std::vector<double> below(kBins + 1, 0.0);
-  const auto bin_of = [&](float v) { return (static_cast<double>(v) - lowest) / range * (kBins - 1e-6); };
-  for (size_t i = 0; i < texels; ++i) {
-    const double u = (static_cast<double>(i % size_) + 0.5) / size_ * 2.0 - 1.0;
-    const double v = (static_cast<double>(i / size_ % size_) + 0.5) / size_ * 2.0 - 1.0;
-    const double r = 1.0 + u * u + v * v;
-    below[static_cast<size_t>(bin_of(values[i])) + 1] += 1.0 / (r * std::sqrt(r));
-  }
-  for (size_t i = 0; i < kBins; ++i) below[i + 1] += below[i];
-  for (size_t i = 0; i < texels; ++i) {
-    const double at = bin_of(values[i]);
-    const size_t bin = static_cast<size_t>(at);
-    const double share = (below[bin] + (at - static_cast<double>(bin)) * (below[bin + 1] - below[bin])) / below[kBins];
-    ranks[i] = static_cast<uint16_t>(std::clamp(share, 0.0, 1.0) * 65535.0 + 0.5);
-  }
-  std::vector<std::byte> bytes(texels * sizeof(uint16_t));
-  std::memcpy(bytes.data(), ranks.data(), bytes.size());
-  store_cached_blob(name, key, bytes);
-  return ranks;
+  if (first || !same_ground) make_ground(sources, ground);
+  made_->coverage = params.coverage;
+  made_->weather = params.weather;
+  made_->channels = channels;
+  made_->ground = ground;
+  made_->sources = sources;
 }
 
-void WeatherMap::update(const WeatherSettings& settings) {
-  if (made_ && settings == settings_) return;
-  if (!made_ || settings.seed != settings_.seed) ranks_ = make_ranks(settings.seed);
-  settings_ = settings;
-  made_ = true;
+void WeatherMap::make_neutral_properties() {
+  properties_ = one_color_cube(device_, "weather.properties", Format::rgba16f, {kNeutral.begin(), kNeutral.end()});
+  base_offset_ = {};
+}
 
-  std::vector<float> coverage_of(4097);  // by rank; smooth enough for linear steps
-  for (size_t i = 0; i <= 4096; ++i)
-    coverage_of[i] =
-        static_cast<float>(local_coverage(std::clamp(static_cast<double>(i) / 4096.0, 1e-4, 1.0 - 1e-4), settings));
-  std::vector<float> level(ranks_.size());
-  for (size_t i = 0; i < level.size(); ++i) {
-    const float at = static_cast<float>(ranks_[i]) * (4096.0f / 65535.0f);
-    const size_t k = std::min<size_t>(static_cast<size_t>(at), 4095);
-    level[i] = coverage_of[k] + (at - static_cast<float>(k)) * (coverage_of[k + 1] - coverage_of[k]);
-  }
+void WeatherMap::make_uniform(double coverage) {
+  coverage_ =
+      one_color_cube(device_, "weather.coverage", Format::rgba16, std::vector<float>(4, static_cast<float>(coverage)));
+  make_neutral_properties();
+  texel_m_ = kUniformTexel_m;
+}
 
-  const uint32_t mips = full_mip_levels({size_, size_});
-  std::vector<std::vector<std::byte>> texels(mips * 6);
-  std::vector<gpu::ImageUpload> uploads;
-  for (uint32_t mip = 0, n = size_; mip < mips; ++mip, n = std::max(n / 2, 1u)) {
-    for (uint32_t face = 0; face < 6; ++face) {
-      std::vector<std::byte>& bytes = texels[mip * 6 + face];
-      bytes.resize(size_t{n} * n * 4);
-      for (size_t i = 0; i < size_t{n} * n; ++i) {
-        const auto value = static_cast<std::byte>(static_cast<int>(level[face * size_t{n} * n + i] * 255.0f + 0.5f));
-        std::fill_n(&bytes[i * 4], 4, value);
-      }
-      uploads.push_back({.image = &image_, .bytes = bytes, .mip = mip, .layer = face});
+void WeatherMap::make_procedural(const WeatherParams& params) {
+  if (!made_->generated || made_->weather.seed != params.seed)
+    made_->generated = generate_weather(device_, procedural_size_, params.seed);
+  const GeneratedWeather& weather = *made_->generated;
+  const double means[4] = {params.mean_coverage_r, params.mean_coverage_g, params.mean_coverage_b,
+                           params.mean_coverage_a};
+  std::array<std::vector<float>, 4> coverage_of;  // by rank
+  for (size_t c = 0; c < 4; ++c) {
+    coverage_of[c].resize(65536);
+    for (size_t r = 0; r < 65536; ++r) {
+      // Ranks 0 and 1 would be the ends of the normal distribution.
+      const double rank = std::clamp(static_cast<double>(r) / 65535.0, 0.5 / 65536.0, 1.0 - 0.5 / 65536.0);
+      coverage_of[c][r] = static_cast<float>(local_coverage(rank, means[c], params.contrast));
     }
-    const uint32_t half = std::max(n / 2, 1u);
-    std::vector<float> next(size_t{6} * half * half);
-    for (size_t i = 0; i < next.size(); ++i) {
-      const size_t face = i / (size_t{half} * half), y = i / half % half, x = i % half;
-      const float* from = &level[face * n * n];
-      const size_t x0 = 2 * x, x1 = std::min<size_t>(x0 + 1, n - 1), y0 = 2 * y, y1 = std::min<size_t>(y0 + 1, n - 1);
-      next[i] = 0.25f * (from[y0 * n + x0] + from[y0 * n + x1] + from[y1 * n + x0] + from[y1 * n + x1]);
-    }
-    level = std::move(next);
   }
-  device_.upload(uploads);
+  const size_t face_numbers = size_t{weather.size} * weather.size * 4;
+  coverage_ = make_cube_image(device_, "weather.coverage", Format::rgba16, weather.size, [&](uint32_t face) {
+    std::vector<float> out(face_numbers);
+    for (size_t i = 0; i < face_numbers; ++i) out[i] = coverage_of[i % 4][weather.ranks[face * face_numbers + i]];
+    return out;
+  });
+  base_offset_ = {1e9, -1e9};
+  properties_ = make_cube_image(device_, "weather.properties", Format::rgba16f, weather.size, [&](uint32_t face) {
+    std::vector<float> out(face_numbers);
+    for (size_t i = 0; i < face_numbers; ++i) out[i] = glm::unpackHalf1x16(weather.properties[face * face_numbers + i]);
+    for (size_t i = 1; i < face_numbers; i += 4) {
+      base_offset_.low_m = std::min(base_offset_.low_m, static_cast<double>(out[i]));
+      base_offset_.high_m = std::max(base_offset_.high_m, static_cast<double>(out[i]));
+    }
+    return out;
+  });
+  texel_m_ = 2.0 * Ellipsoid{}.a_m / weather.size;
+}
+
+void WeatherMap::make_raster(const Raster& raster, uint32_t channels) {
+  const RasterWeather weather(raster);
+  coverage_ = make_cube_image(device_, "weather.coverage", Format::rgba16, weather.size(),
+                              [&](uint32_t face) { return weather.coverage(face, channels); });
+  properties_ = make_cube_image(device_, "weather.properties", Format::rgba16f, weather.properties_size(),
+                                [&](uint32_t face) { return weather.properties(face); });
+  base_offset_ = {};
+  texel_m_ = 2.0 * Ellipsoid{}.a_m / weather.size();
+}
+
+void WeatherMap::make_tile(const Raster& raster) {
+  const RasterInfo& info = raster.info();
+  std::vector<float> texels(size_t{info.width} * info.height * 4);
+  constexpr uint32_t kSide = Raster::kBlockSize;
+  for (uint32_t y0 = 0; y0 < info.height; y0 += kSide)
+    for (uint32_t x0 = 0; x0 < info.width; x0 += kSide) {
+      const RasterBlock block = raster.read_block(0, x0 / kSide, y0 / kSide).take_or_throw(ErrorKind::input);
+      for (uint32_t y = 0; y < block.height; ++y)
+        for (uint32_t x = 0; x < block.width; ++x)
+          for (uint32_t c = 0; c < 4; ++c)
+            texels[((size_t{y0} + y) * info.width + x0 + x) * 4 + c] =
+                block.values[(size_t{y} * block.width + x) * info.bands + (info.bands == 4 ? c : 0)];
+    }
+  tile_ = make_tile_image(device_, "weather.tile", Format::rgba8, info.width, info.height, std::move(texels));
+  make_uniform(1.0);
+}
+
+void WeatherMap::make_ground(const WeatherSources& sources, bool wanted) {
+  geoid_ = ground_range_ = {};
+  if (!wanted) {
+    ground_ = one_color_cube(device_, "weather.ground", Format::rg32f, {0.0f, 0.0f});
+    return;
+  }
+  const WeatherGround ground = make_weather_ground(sources.elevation, sources.geoid.get());
+  constexpr size_t kFaceNumbers = size_t{WeatherGround::kSize} * WeatherGround::kSize * 2;
+  ground_ = make_cube_image(device_, "weather.ground", Format::rg32f, WeatherGround::kSize, [&](uint32_t face) {
+    const auto first = ground.texels.begin() + static_cast<std::ptrdiff_t>(face * kFaceNumbers);
+    return std::vector<float>(first, first + static_cast<std::ptrdiff_t>(kFaceNumbers));
+  });
+  geoid_ = {ground.lowest_geoid_m, ground.highest_geoid_m};
+  ground_range_ = {ground.lowest_ground_m, ground.highest_ground_m};
 }
 
 }  // namespace nepho
