@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "scene/scene_json.h"
+#include "scene/scene_validate.h"
 
 namespace nepho {
 namespace fs = std::filesystem;
@@ -20,13 +21,17 @@ std::string lower_extension(const fs::path& path) {
   return extension;
 }
 
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 std::set<std::string> parse_layers(const std::string& text, const std::vector<std::string>& known) {
   std::set<std::string> layers;
   std::istringstream in(text);
   for (std::string name; std::getline(in, name, ',');) {
     if (name == "surface.shadow" || name == "sun.transmittance")
       throw fail(ErrorKind::usage, "--aov {}: not supported yet", name);
-    if (std::find(known.begin(), known.end(), name) == known.end()) {
+    if (!contains(known, name)) {
       const std::string nearest = nearest_name(name, known);
       throw fail(ErrorKind::usage, "--aov: '{}' is unknown; {}known: {}", name,
                  nearest.empty() ? "" : fmt::format("did you mean '{}'? ", nearest), fmt::join(known, ", "));
@@ -39,7 +44,7 @@ std::set<std::string> parse_layers(const std::string& text, const std::vector<st
 
 }  // namespace
 
-void RenderCommand::add_to(CLI::App& command) {
+void RenderCommand::add_to(CLI::App& command, const Program& program) {
   scene_.add_to(command);
   add_repeated(command, "-o,--output", images_, "OUT",
                "picture to write: .png (8 bit, tone mapped) or .exr (radiance and layers); may be repeated");
@@ -49,12 +54,17 @@ void RenderCommand::add_to(CLI::App& command) {
   command.add_option("--device", device_, kDeviceHelp)->type_name("NAME");
   command.add_option("--upscale", upscale_, "16, 4, 2 or 1: pixels per marched pixel of clouds (only 1 so far)")
       ->type_name("U");
-  command.add_option("--debug", debug_, "a view of the renderer's insides (not supported yet)")->type_name("NAME");
+  command
+      .add_option("--debug", debug_,
+                  fmt::format("a view of the renderer's insides in false colours, instead of the picture: {}",
+                              fmt::join(program.debug_views, ", ")))
+      ->type_name("NAME");
   command.add_flag("--validation", validation_, "use the Vulkan validation layer")->group("");
 }
 
-RenderOutputs RenderCommand::outputs(const std::vector<std::string>& layer_names) const {
-  if (!debug_.empty()) throw fail(ErrorKind::usage, "--debug: not supported yet");
+RenderOutputs RenderCommand::outputs(const Program& program) const {
+  if (!debug_.empty() && !contains(program.debug_views, debug_))
+    throw fail(ErrorKind::usage, "--debug: {}", no_choice(debug_, program.debug_views));
   if (upscale_ == "16" || upscale_ == "4" || upscale_ == "2")
     throw fail(ErrorKind::usage, "--upscale {}: not supported yet; only 1 is", upscale_);
   if (!upscale_.empty() && upscale_ != "1")
@@ -68,7 +78,8 @@ RenderOutputs RenderCommand::outputs(const std::vector<std::string>& layer_names
       throw fail(ErrorKind::usage, "-o: '{}' does not end in .exr or .png", image);
     outputs.images.emplace_back(image);
   }
-  if (!aov_.empty()) outputs.layers = parse_layers(aov_, layer_names);
+  if (!aov_.empty()) outputs.layers = parse_layers(aov_, program.layer_names);
+  outputs.debug = debug_;
   outputs.timings = timings_;
   outputs.device = device_;
   outputs.validation = validation_;
@@ -76,7 +87,7 @@ RenderOutputs RenderCommand::outputs(const std::vector<std::string>& layer_names
 }
 
 void RenderCommand::run(const Program& program) const {
-  const RenderOutputs wanted = outputs(program.layer_names);
+  const RenderOutputs wanted = outputs(program);
   const Scene scene = scene_.scene();
   require_inputs(scene);
   for (const fs::path& image : wanted.images) require_writable(image);

@@ -7,12 +7,12 @@ namespace nepho {
 /// `nepho render`: a picture of a scene.
 class RenderCommand {
  public:
-  void add_to(CLI::App& command);
+  void add_to(CLI::App& command, const Program& program);
   /// Checks everything that can be checked without a device, then renders. Throws Error.
   void run(const Program& program) const;
 
  private:
-  RenderOutputs outputs(const std::vector<std::string>& layer_names) const;
+  RenderOutputs outputs(const Program& program) const;
 
   SceneOptions scene_;
   std::vector<std::string> images_;

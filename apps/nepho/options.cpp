@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <string_view>
 
 #include "base/error.h"
 #include "scene/parameter_text.h"
@@ -30,6 +31,7 @@ constexpr Flag kFlags[] = {
     {"--time", "ISO8601", "time"},
     {"--quality", "NAME", "render.quality"},
     {"--coverage", "SHARE", "clouds.coverage"},
+    {"--weather-seed", "N", "clouds.weather.seed"},
     {"--orders", "N", "atmosphere.scattering_orders"},
     {"--spectral", "NAME", "atmosphere.spectral"},
     {"--aerosol-optical-depth", "DEPTH", "atmosphere.mie.optical_depth"},
@@ -127,7 +129,12 @@ void SceneOptions::add_to(CLI::App& command) {
   add_text(command, "--exposure", "EV|auto", "exposure of PNG pictures at ISO 100");
   add_repeated(command, "--terrain", terrain_, "FILE", "elevation raster over the default Earth; may be repeated");
   add_repeated(command, "--imagery", imagery_, "FILE", "imagery raster over the default Earth; may be repeated");
-  add_text(command, "--weather", "FILE", "forecast (not supported yet)");
+  add_text(command, "--sky", "NAME",
+           fmt::format("clouds and their weather, instead of the scene's: {}", fmt::join(cloud_sky_names(), ", ")));
+  add_text(command, "--weather", "FILE",
+           "cloud cover of the whole globe, a raster (docs/data.md); not with --coverage");
+  add_text(command, "--weather-tile", "FILE",
+           "weather that repeats over the globe, a tileable RGBA picture; not with --coverage");
 }
 
 void SceneOptions::place_camera(Scene& scene) const {
@@ -169,9 +176,28 @@ void SceneOptions::set_air(AtmosphereParams& air) const {
   if (visibility) air.mie.optical_depth.reset();
 }
 
+void SceneOptions::set_clouds(CloudParams& clouds) const {
+  if (given("--sky")) {
+    const std::string& name = text_.at("--sky");
+    const std::optional<CloudParams> sky = cloud_sky(name);
+    if (!sky) throw fail(ErrorKind::usage, "--sky: {}", no_choice(name, cloud_sky_names()));
+    clouds = *sky;
+  }
+  const char* chosen = nullptr;
+  for (const char* flag : {"--weather", "--weather-tile", "--coverage"}) {
+    if (!given(flag)) continue;
+    if (chosen) throw fail(ErrorKind::usage, "{} and {}: give one of the two", chosen, flag);
+    chosen = flag;
+    if (flag == std::string_view("--coverage")) continue;  // set as one of kFlags
+    if (text_.at(flag).empty()) throw fail(ErrorKind::usage, "{}: the name of the file is empty", flag);
+    clouds.weather.source = flag == std::string_view("--weather") ? "raster" : "tile";
+    clouds.weather.file = text_.at(flag);
+    clouds.coverage.reset();
+  }
+}
+
 Scene SceneOptions::scene() const {
   if (given("--place") && given("--at")) throw fail(ErrorKind::usage, "--place and --at: give one of the two");
-  if (given("--weather")) throw fail(ErrorKind::usage, "--weather: not supported yet");
   if (given("--quality") && text_.at("--quality") == "reference")
     throw fail(ErrorKind::usage, "--quality reference: not supported yet");
 
@@ -184,6 +210,7 @@ Scene SceneOptions::scene() const {
   }
   place_camera(scene);
   set_air(scene.atmosphere);
+  set_clouds(scene.clouds);
   for (const Flag& flag : kFlags)
     if (given(flag.flag)) set_parameter(scene, flag.path, text_.at(flag.flag), flag.flag);
   if (given("--size")) set_size(scene.render, text_.at("--size"));
@@ -199,12 +226,10 @@ Scene SceneOptions::scene() const {
 }
 
 void require_inputs(const Scene& scene) {
-  for (const std::vector<std::string>* list : {&scene.terrain.elevation, &scene.imagery.files})
-    for (const std::string& file : *list) {
-      std::error_code ec;
-      if (is_local_path(file) && !std::filesystem::exists(file, ec))
-        throw fail(ErrorKind::input, "{}: no such file", file);
-    }
+  for (const std::string& file : local_files(scene)) {
+    std::error_code ec;
+    if (!std::filesystem::exists(file, ec)) throw fail(ErrorKind::input, "{}: no such file", file);
+  }
 }
 
 }  // namespace nepho

@@ -28,6 +28,7 @@ class SceneOptions {
   size_t count(const std::string& flag) const;
   void place_camera(Scene& scene) const;
   void set_air(AtmosphereParams& air) const;
+  void set_clouds(CloudParams& clouds) const;
 
   std::string file_;
   std::map<std::string, std::string> text_;  ///< flag -> its argument
@@ -41,7 +42,7 @@ inline constexpr const char* kDeviceHelp = "Vulkan device: its number or a part 
 CLI::Option* add_repeated(CLI::App& command, const std::string& flags, std::vector<std::string>& values,
                           const std::string& placeholder, const std::string& help);
 
-/// Throws Error(input) unless every raster of the scene that is a local file exists.
+/// Throws Error(input) unless every file that the scene names and that is a path of this machine exists.
 void require_inputs(const Scene& scene);
 
 }  // namespace nepho

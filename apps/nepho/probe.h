@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -7,11 +8,15 @@
 
 namespace nepho {
 
+struct WeatherSources;
+
 /// What `nepho probe` was told besides the kind. Kinds of plain geometry and astronomy ignore it; kinds that evaluate
 /// the renderer take its scene and device.
 struct ProbeOptions {
   Scene scene;
   std::string device;  ///< as `--device`; empty: the best one
+  /// Opens what the weather of a scene is made from; kinds that look at clouds call it. Empty: nothing to open.
+  std::function<WeatherSources(const Scene&)> open_weather;
 };
 
 /// Evaluates the program's own functions on the rows of a CSV table. Finds its input columns by name, in any order;

@@ -65,7 +65,7 @@ int run(const std::vector<std::string>& arguments, const Program& program) {
 
   RenderCommand render;
   CLI::App* const render_app = app.add_subcommand("render", "draw a scene as PNG and EXR");
-  render.add_to(*render_app);
+  render.add_to(*render_app, program);
 
   std::string kind;
   SceneOptions probe_scene;
@@ -113,7 +113,8 @@ int run(const std::vector<std::string>& arguments, const Program& program) {
   if (*render_app) {
     render.run(program);
   } else if (*probe_app) {
-    const ProbeOptions options{.scene = probe_scene.scene(), .device = probe_device};
+    const ProbeOptions options{
+        .scene = probe_scene.scene(), .device = probe_device, .open_weather = program.open_weather};
     require_inputs(options.scene);
     status = program.probe(kind, program.in, program.out, options);
   } else if (*info_app) {

@@ -14,8 +14,10 @@ struct Program {
   std::function<void(const Scene&, const RenderOutputs&)> render;
   std::function<int(const std::string& kind, std::istream&, std::ostream&, const ProbeOptions&)> probe;
   std::function<void(bool as_json, std::ostream&)> info;
-  std::vector<std::string> layer_names;  ///< that --aov knows
-  std::vector<std::string> probe_kinds;  ///< for the help of `nepho probe`
+  std::function<WeatherSources(const Scene&)> open_weather;  ///< for probes; empty: there are no rasters
+  std::vector<std::string> layer_names;                      ///< that --aov knows
+  std::vector<std::string> debug_views;                      ///< that --debug knows
+  std::vector<std::string> probe_kinds;                      ///< for the help of `nepho probe`
   std::istream& in;
   std::ostream& out;  ///< results
   std::ostream& err;  ///< messages

@@ -9,9 +9,8 @@
 #include "base/files.h"
 #include "base/log.h"
 #include "io/exr.h"
-#include "io/mapped_raster.h"
 #include "io/png.h"
-#include "rasters/default_earth.h"
+#include "nepho/scene_sources.h"
 #include "rasters/gdal_opener.h"
 #include "render/renderer.h"
 #include "scene/scene_json.h"
@@ -21,49 +20,8 @@ namespace nepho {
 namespace {
 using Clock = std::chrono::steady_clock;
 
-// The Blue Marble is stretched until forests are black and deserts glare. These bring its Amazon (sRGB 10 40 10) to an
-// albedo near 0.03 0.04 0.02 and its Sahara (200 170 120) to 0.48 0.34 0.17, as MODIS has them.
-constexpr float kBlueMarbleOffset = 0.02f, kBlueMarbleScale = 0.82f;
-
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-TerrainSources open_sources(const RasterOpener& opener, const Scene& scene) {
-  TerrainSources sources;
-  const DefaultEarth earth = scene.terrain.default_earth ? find_default_earth() : DefaultEarth{};
-  if (scene.terrain.default_earth) {
-    std::vector<std::string> missing;
-    if (earth.elevation.empty()) missing.push_back("ferret-datasets (elevation)");
-    if (earth.imagery.empty()) missing.push_back("marble-qt-data (imagery)");
-    if (earth.night.empty()) missing.push_back("xplanet-images (night lights)");
-    if (!missing.empty())
-      log_warning(
-          "part of the default Earth is not installed: {}; install with apt-get install --no-install-recommends",
-          fmt::join(missing, ", "));
-  }
-  if (!earth.elevation.empty()) sources.elevation.push_back(opener.open_elevation(earth.elevation));
-  sources.has_default = !sources.elevation.empty();
-  for (const std::string& file : scene.terrain.elevation) sources.elevation.push_back(opener.open_elevation(file));
-  if (!earth.imagery.empty())
-    sources.imagery.push_back(
-        make_mapped_imagery(opener.open_imagery(earth.imagery), albedo_curve(kBlueMarbleOffset, kBlueMarbleScale)));
-  for (const std::string& file : scene.imagery.files) sources.imagery.push_back(opener.open_imagery(file));
-  if (!earth.night.empty()) sources.night_lights = opener.open_imagery(earth.night);
-  sources.geoid = std::make_shared<const Geoid>(Geoid::egm96());
-  return sources;
-}
-
-SkySources open_sky(const RasterOpener& opener, const Scene& scene) {
-  SkySources sources;
-  const DefaultEarth earth = find_default_earth();
-  if ((scene.night_sky.moon && earth.moon.empty()) || (scene.night_sky.stars && earth.stars.empty()))
-    log_warning(
-        "marble-qt-data is not installed: the moon is plain grey and there are no stars; install it with apt-get "
-        "install --no-install-recommends marble-qt-data");
-  if (scene.night_sky.moon && !earth.moon.empty()) sources.moon_texture = opener.open_imagery(earth.moon);
-  if (scene.night_sky.stars && !earth.stars.empty()) sources.stars = read_star_catalog(earth.stars);
-  return sources;
 }
 
 ExrAttributes make_attributes(const Scene& scene, const CameraPose& pose, double ev100) {
@@ -120,16 +78,18 @@ bool is_exr(const std::filesystem::path& path) {
 void render_scene(const Scene& scene, const RenderOutputs& outputs) {
   const auto start = Clock::now();
   const std::unique_ptr<RasterOpener> opener = make_gdal_opener();
-  TerrainSources sources = open_sources(*opener, scene);  // bad files are told before a device is asked for
+  TerrainSources terrain = open_terrain(*opener, scene);  // bad files are told before a device is asked for
   const SkySources sky = open_sky(*opener, scene);
+  const WeatherSources weather = open_weather(*opener, scene, terrain);
   gpu::Device device({.device = outputs.device, .validation = outputs.validation});
-  Renderer renderer(device, std::move(sources), scene, sky);
+  Renderer renderer(device, std::move(terrain), scene, sky, weather);
   const double startup_ms = ms_since(start);
 
   RenderRequest request;
   request.display = std::any_of(outputs.images.begin(), outputs.images.end(), [](const auto& p) { return !is_exr(p); });
   request.layers = std::any_of(outputs.images.begin(), outputs.images.end(), [](const auto& p) { return is_exr(p); });
   request.wanted = outputs.layers;
+  request.debug = outputs.debug;
   const RenderResult result = renderer.render(request);
   for (const std::string& message : device.take_validation_messages()) log_warning("{}", message);
 

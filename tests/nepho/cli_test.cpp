@@ -42,7 +42,9 @@ Run run(std::vector<std::string> arguments) {
                               return 0;
                             },
                         .info = [](bool as_json, std::ostream& stream) { stream << (as_json ? "{}" : "text"); },
+                        .open_weather = {},
                         .layer_names = {"depth", "position", "cloud"},
+                        .debug_views = {"weather", "density"},
                         .probe_kinds = {"geodetic_ecef"},
                         .in = in,
                         .out = out,
@@ -90,37 +92,15 @@ TEST_CASE("--help and --version go to standard output with status 0") {
     CHECK(help.out.find(std::string("  ") + command + " ") != std::string::npos);
   const Run render_help = run({"render", "--help"});
   CHECK(render_help.status == 0);
-  for (const char* option : {"--place",
-                             "--at",
-                             "--height",
-                             "--agl",
-                             "--heading",
-                             "--pitch",
-                             "--roll",
-                             "--look-at",
-                             "--fov",
-                             "--time",
-                             "--size",
-                             "--quality",
-                             "--upscale",
-                             "--coverage",
-                             "--terrain",
-                             "--imagery",
-                             "--weather",
-                             "--frames",
-                             "--seed",
-                             "--exposure",
-                             "--aov",
-                             "--debug",
-                             "--timings",
-                             "--device",
-                             "--save-scene",
-                             "--atmosphere",
-                             "--orders",
-                             "--spectral",
-                             "--aerosol-optical-depth",
-                             "--visibility",
-                             "--ozone-du"})
+  for (const char* option : {"--place",      "--at",           "--height",       "--agl",
+                             "--heading",    "--pitch",        "--roll",         "--look-at",
+                             "--fov",        "--time",         "--size",         "--quality",
+                             "--upscale",    "--coverage",     "--terrain",      "--imagery",
+                             "--weather",    "--weather-tile", "--weather-seed", "--sky",
+                             "--frames",     "--seed",         "--exposure",     "--aov",
+                             "--debug",      "--timings",      "--device",       "--save-scene",
+                             "--atmosphere", "--orders",       "--spectral",     "--aerosol-optical-depth",
+                             "--visibility", "--ozone-du"})
     CHECK_MESSAGE(render_help.out.find(option) != std::string::npos, option);
   CHECK(render_help.out.find("--validation") == std::string::npos);
 }
@@ -195,6 +175,85 @@ TEST_CASE("the options of the air change the scene's, or that of a preset") {
   fs::remove(file);
   CHECK(run({"probe", "geodetic_ecef", "--atmosphere", "bruneton-demo", "--orders", "2"}).probe_scene->atmosphere ==
         demo);
+}
+
+TEST_CASE("--sky replaces the scene's clouds, and the other options of clouds change what it or the scene has") {
+  const fs::path file = fs::temp_directory_path() / "nepho_cli_clouds.json";
+  std::ofstream(file) << R"({"clouds": {"coverage": 0.9, "scattering_per_m": 0.1, "layers": [{"base_m": 777}]}})";
+  CHECK(scene_of({}).clouds == cloud_sky("earth"));
+  CHECK(scene_of({file, "--sky", "storm"}).clouds == cloud_sky("storm"));
+  CHECK(scene_of({"--sky", "cirrus"}).clouds.layers == std::vector<CloudLayer>{*cloud_genus("cirrus")});
+  CloudParams fair = cloud_sky("fair").value();
+  fair.coverage = 0.75;
+  fair.weather.seed = 99;
+  CHECK(scene_of({"--coverage", "0.75", "--weather-seed", "99", "--sky", "fair"}).clouds == fair);
+  const CloudParams covered = scene_of({file, "--coverage", "0"}).clouds;
+  CHECK(covered.coverage == 0.0);
+  CHECK(covered.layers[0].base_m == 777.0);
+  CHECK(message_of(render({"--sky", "stormy"}), 2)
+            .ends_with("valley-fog, stratus, stratocumulus, cumulus, altocumulus, cirrus, cumulonimbus, fog; did you "
+                       "mean 'storm'?"));
+  CHECK(message_of(render({"--weather-seed", "-1"}), 2) ==
+        "--weather-seed: -1 is out of range; allowed: 0..4294967295");
+  fs::remove(file);
+  CHECK(run({"probe", "geodetic_ecef", "--sky", "fair"}).probe_scene->clouds == cloud_sky("fair"));
+}
+
+TEST_CASE("--weather and --weather-tile take the weather from a file, and unset a uniform coverage") {
+  const CloudParams raster = scene_of({"--sky", "fair", "--weather", "/dev/null"}).clouds;
+  CHECK(raster.weather.source == "raster");
+  CHECK(raster.weather.file == "/dev/null");
+  CHECK_FALSE(raster.coverage.has_value());
+  CHECK(raster.layers == cloud_sky("fair")->layers);
+  const CloudParams tile = scene_of({"--weather-tile", "/dev/null"}).clouds;
+  CHECK(tile.weather.source == "tile");
+  CHECK(tile.weather.file == "/dev/null");
+  CHECK(scene_of({"--weather", "NETCDF:a.nc:cover"}).clouds.weather.file == "NETCDF:a.nc:cover");
+  CHECK(message_of(render({"--weather", "/nonexistent/a.tif"}), 3) == "/nonexistent/a.tif: no such file");
+  CHECK(message_of(render({"--weather-tile", "/nonexistent/a.png"}), 3) == "/nonexistent/a.png: no such file");
+  CHECK(message_of(render({"--weather", ""}), 2) == "--weather: the name of the file is empty");
+  CHECK(message_of(render({"--weather", "a.tif", "--coverage", "0.5"}), 2) ==
+        "--weather and --coverage: give one of the two");
+  CHECK(message_of(render({"--weather", "a.tif", "--weather-tile", "b.png"}), 2) ==
+        "--weather and --weather-tile: give one of the two");
+  CHECK(message_of(render({"--weather-tile", "b.png", "--coverage", "0.5"}), 2) ==
+        "--weather-tile and --coverage: give one of the two");
+}
+
+TEST_CASE("clouds in a scene file that cannot be are status 3 in one line, for pictures and probes alike") {
+  const fs::path file = fs::temp_directory_path() / "nepho_cli_bad_clouds.json";
+  const struct {
+    const char *json, *says;
+  } cases[] = {{R"({"layers": [{}, {}, {}, {}, {}]})", "clouds.layers: 5 items found; 4 at most"},
+               {R"({"layers": [{"thickness_m": -1}]})", "clouds.layers[0].thickness_m: -1 is out of range"},
+               {R"({"layers": [{"base_m": NaN}]})", "not JSON"},
+               {R"({"layers": [{"base_m": 1e400}]})", "not JSON"},
+               {R"({"layers": [{"base_m": 2000, "top_m": 1000}]})", "unknown key 'clouds.layers[0].top_m'"},
+               {R"({"layers": [{"density_profile": {"linear_term": -1, "constant_term": 0}}]})", "nowhere above 0"},
+               {R"({"preset": "fare"})", "did you mean 'fair'?"},
+               {R"({"weather": {"source": "raster"}})", "source raster needs a file"},
+               {R"({"weather": {"file": "a.png"}})", "is not looked at by source procedural"},
+               {R"({"weather": {"source": "raster", "file": "gone.png"}})", "gone.png: no such file"},
+               {R"({"noise": {"shape": {"file": "gone.bin"}}})", "gone.bin: no such file"},
+               {R"({"noise": {"blue_noise_file": "gone.bin"}})", "gone.bin: no such file"}};
+  for (const auto& c : cases) {
+    std::ofstream(file) << R"({"clouds": )" << c.json << "}";
+    CAPTURE(c.json);
+    for (const Run& failed : {render({file}), run({"probe", "geodetic_ecef", file})}) {
+      const std::string message = message_of(failed, 3);
+      CHECK(message.starts_with(file.parent_path().string()));
+      CHECK_MESSAGE(message.find(c.says) != std::string::npos, message);
+      CHECK_FALSE(failed.probe_scene.has_value());
+    }
+  }
+  fs::remove(file);
+}
+
+TEST_CASE("--debug takes the name of a view; others are usage errors with the known ones") {
+  CHECK(render({"--debug", "density"}).outputs.debug == "density");
+  CHECK(render({}).outputs.debug.empty());
+  CHECK(message_of(render({"--debug", "densty"}), 2) ==
+        "--debug: 'densty' is not one of weather, density; did you mean 'density'?");
 }
 
 TEST_CASE("air that cannot be is a usage error that names the option") {
@@ -294,8 +353,6 @@ TEST_CASE("values that are not what the option wants are usage errors that quote
 }
 
 TEST_CASE("options of later issues say 'not supported yet'") {
-  CHECK(message_of(render({"--weather", "a.grib2"}), 2) == "--weather: not supported yet");
-  CHECK(message_of(render({"--debug", "normals"}), 2) == "--debug: not supported yet");
   CHECK(message_of(render({"--quality", "reference"}), 2) == "--quality reference: not supported yet");
   CHECK(message_of(render({"--upscale", "16"}), 2) == "--upscale 16: not supported yet; only 1 is");
   CHECK(message_of(render({"--upscale", "3"}), 2) == "--upscale: '3' is not one of 16, 4, 2, 1");
@@ -397,7 +454,9 @@ TEST_CASE("a failure in the middle of the work is status 5 in one line") {
   const Program program{.render = [](const Scene&, const RenderOutputs&) { throw std::runtime_error("broken\npipe"); },
                         .probe = {},
                         .info = {},
+                        .open_weather = {},
                         .layer_names = {},
+                        .debug_views = {},
                         .probe_kinds = {},
                         .in = in,
                         .out = out,

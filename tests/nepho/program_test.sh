@@ -29,6 +29,8 @@ echo '{"clouds": {"coverage": 0.4,}}' >broken.json
 echo '{"clouds": {"covrage": 0.4}}' >unknown_key.json
 echo '{"atmosphere": {"top_height_m": 5000}}' >thin_air.json
 echo '{"time": "2200-01-01"}' >late.json
+echo '{"clouds": {"layers": [{}, {}, {}, {}, {}]}}' >five_layers.json
+echo '{"clouds": {"layers": [{"thickness_m": -1}]}}' >inverted_layer.json
 printf 'P5 4 3 255\n123456789012' >no_georeference.pgm
 printf 'ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\nnodata_value -1\n1 2\n3 4\n' >plain.asc
 echo 'LOCAL_CS["nowhere"]' >plain.prj
@@ -42,7 +44,15 @@ fails_render 2 '--size: width: 0' --size 0x0
 fails_render 2 '16384' --size 100000x100000
 fails_render 2 "did you mean 'fuji'" --place fugi
 fails_render 2 "did you mean '--coverage'" --covrage 0.4
-fails_render 2 'not supported yet' --weather x.grib2
+fails_render 3 'x.grib2: no such file' --weather x.grib2
+fails_render 2 'give one of the two' --weather noise.tif --coverage 0.4
+fails_render 2 "did you mean 'storm'" --sky stormy
+fails_render 2 "did you mean 'density'" --debug densty
+fails_render 3 'noise.tif' --weather noise.tif
+fails_render 3 'noise.tif' --weather-tile noise.tif
+fails_render 3 'no_georeference.pgm' --weather no_georeference.pgm
+fails_render 3 '5 items found; 4 at most' five_layers.json
+fails_render 3 'thickness_m: -1 is out of range' inverted_layer.json
 fails_render 2 "--aov: 'dept'" --aov dept
 fails 2 '.exr or .png' render -o picture.jpg
 fails_render 3 'no such file' missing.json

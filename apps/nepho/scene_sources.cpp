@@ -1,0 +1,89 @@
+#include "nepho/scene_sources.h"
+
+#include "base/log.h"
+#include "io/mapped_raster.h"
+#include "rasters/default_earth.h"
+#include "rasters/gdal_opener.h"
+
+namespace nepho {
+
+namespace {
+
+// The Blue Marble is stretched until forests are black and deserts glare. These bring its Amazon (sRGB 10 40 10) to an
+// albedo near 0.03 0.04 0.02 and its Sahara (200 170 120) to 0.48 0.34 0.17, as MODIS has them.
+constexpr float kBlueMarbleOffset = 0.02f, kBlueMarbleScale = 0.82f;
+
+std::vector<std::shared_ptr<Raster>> open_elevation(const RasterOpener& opener, const Scene& scene,
+                                                    const DefaultEarth& earth) {
+  std::vector<std::shared_ptr<Raster>> rasters;
+  if (!earth.elevation.empty()) rasters.push_back(opener.open_elevation(earth.elevation));
+  for (const std::string& file : scene.terrain.elevation) rasters.push_back(opener.open_elevation(file));
+  return rasters;
+}
+
+std::shared_ptr<const Geoid> egm96() { return std::make_shared<const Geoid>(Geoid::egm96()); }
+
+/// Without what lies below the clouds.
+WeatherSources open_weather_files(const RasterOpener& opener, const Scene& scene) {
+  WeatherSources sources;
+  const WeatherParams& weather = scene.clouds.weather;
+  if (weather.source == "raster") sources.weather = opener.open_weather(weather.file);
+  if (weather.source == "tile") sources.tile = opener.open_tile(weather.file);
+  return sources;
+}
+
+}  // namespace
+
+TerrainSources open_terrain(const RasterOpener& opener, const Scene& scene) {
+  TerrainSources sources;
+  const DefaultEarth earth = scene.terrain.default_earth ? find_default_earth() : DefaultEarth{};
+  if (scene.terrain.default_earth) {
+    std::vector<std::string> missing;
+    if (earth.elevation.empty()) missing.push_back("ferret-datasets (elevation)");
+    if (earth.imagery.empty()) missing.push_back("marble-qt-data (imagery)");
+    if (earth.night.empty()) missing.push_back("xplanet-images (night lights)");
+    if (!missing.empty())
+      log_warning(
+          "part of the default Earth is not installed: {}; install with apt-get install --no-install-recommends",
+          fmt::join(missing, ", "));
+  }
+  sources.elevation = open_elevation(opener, scene, earth);
+  sources.has_default = !earth.elevation.empty();
+  if (!earth.imagery.empty())
+    sources.imagery.push_back(
+        make_mapped_imagery(opener.open_imagery(earth.imagery), albedo_curve(kBlueMarbleOffset, kBlueMarbleScale)));
+  for (const std::string& file : scene.imagery.files) sources.imagery.push_back(opener.open_imagery(file));
+  if (!earth.night.empty()) sources.night_lights = opener.open_imagery(earth.night);
+  sources.geoid = egm96();
+  return sources;
+}
+
+SkySources open_sky(const RasterOpener& opener, const Scene& scene) {
+  SkySources sources;
+  const DefaultEarth earth = find_default_earth();
+  if ((scene.night_sky.moon && earth.moon.empty()) || (scene.night_sky.stars && earth.stars.empty()))
+    log_warning(
+        "marble-qt-data is not installed: the moon is plain grey and there are no stars; install it with apt-get "
+        "install --no-install-recommends marble-qt-data");
+  if (scene.night_sky.moon && !earth.moon.empty()) sources.moon_texture = opener.open_imagery(earth.moon);
+  if (scene.night_sky.stars && !earth.stars.empty()) sources.stars = read_star_catalog(earth.stars);
+  return sources;
+}
+
+WeatherSources open_weather(const RasterOpener& opener, const Scene& scene, const TerrainSources& terrain) {
+  WeatherSources sources = open_weather_files(opener, scene);
+  sources.elevation = terrain.elevation;
+  sources.geoid = terrain.geoid;
+  return sources;
+}
+
+WeatherSources open_weather(const Scene& scene) {
+  const std::unique_ptr<RasterOpener> opener = make_gdal_opener();
+  WeatherSources sources = open_weather_files(*opener, scene);
+  sources.elevation =
+      open_elevation(*opener, scene, scene.terrain.default_earth ? find_default_earth() : DefaultEarth{});
+  sources.geoid = egm96();
+  return sources;
+}
+
+}  // namespace nepho
