@@ -22,19 +22,20 @@ struct LonLatBounds {
 };
 
 struct RasterInfo {
-  std::string path;                               ///< as the user named it, for messages
-  uint32_t width = 0;                             ///< px, in EPSG:4326 after warping
-  uint32_t height = 0;                            ///< px
-  uint32_t bands = 1;                             ///< as delivered: 1 elevation, 4 imagery (RGBA)
-  LonLatBounds bounds;                            ///< pixel edges, not centres
-  bool wraps = false;                             ///< spans 360 degrees: column -1 is column width - 1
+  std::string path;     ///< as the user named it, for messages
+  uint32_t width = 0;   ///< px, in EPSG:4326 after warping
+  uint32_t height = 0;  ///< px
+  uint32_t bands = 1;   ///< as delivered: 1 elevation, 4 imagery (RGBA); weather 1 (total cover) or 4 (by channel)
+  LonLatBounds bounds;  ///< pixel edges, not centres
+  bool wraps = false;   ///< spans 360 degrees: column -1 is column width - 1
   VerticalDatum vertical = VerticalDatum::egm96;  ///< elevation only
 };
 
 /// Texels of one block, row 0 northernmost. `valid[i]` is 0 where there is no data (nodata value, alpha 0, mask).
 struct RasterBlock {
   uint32_t width = 0, height = 0;
-  std::vector<float> values;   ///< width * height * bands, band-interleaved by pixel; imagery 0..255, heights in m
+  /// width * height * bands, band-interleaved by pixel; imagery 0..255, heights in m, weather 0..1
+  std::vector<float> values;
   std::vector<uint8_t> valid;  ///< width * height
 };
 
@@ -63,6 +64,11 @@ class RasterOpener {
   virtual std::shared_ptr<Raster> open_elevation(const std::string& path) const = 0;
   /// Imagery as RGBA, 0..255 sRGB (grey and palettes expanded).
   virtual std::shared_ptr<Raster> open_imagery(const std::string& path) const = 0;
+  /// Cloud cover 0..1 by the rules of docs/weather.md: one band of total cover (grey pictures, fractions, percent), or
+  /// four for the weather channels R, G, B, A (coloured pictures; A is 0 without a fourth band).
+  virtual std::shared_ptr<Raster> open_weather(const std::string& path) const = 0;
+  /// The same of a picture without a place, to be repeated; its bounds mean nothing.
+  virtual std::shared_ptr<Raster> open_tile(const std::string& path) const = 0;
 };
 
 }  // namespace nepho

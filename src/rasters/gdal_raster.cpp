@@ -94,6 +94,37 @@ void deliver_colors(const BandPlan& plan, const BandView& in, uint32_t width, fl
   }
 }
 
+void deliver_weather(const BandPlan& plan, const BandView& in, uint32_t width, float* out, uint8_t* valid) {
+  constexpr float kSlack = 0.02f;  // packing and interpolation overshoot; anything further is no cover
+  const auto scale = static_cast<float>(plan.scale), offset = static_cast<float>(plan.offset);
+  const auto opacity_scale = static_cast<float>(plan.opacity_scale);
+  const bool with_opacity = plan.opacity_scale > 0.0;
+  const size_t values = plan.colors.size() - (with_opacity ? 1 : 0), bands = static_cast<size_t>(plan.weather);
+  const float* const alpha = plan.alpha ? in.raw + plan.colors.size() * in.stride : nullptr;
+  for (uint32_t x = 0; x < width; ++x, out += bands) {
+    bool good = in.mask[x] && (!alpha || alpha[x] > 0.0f);
+    for (size_t b = 0; b < values; ++b) {
+      const float v = in.raw[b * in.stride + x] * scale + offset;
+      good = good && v >= -kSlack && v <= 1.0f + kSlack;  // NaN fails
+      const float opacity = with_opacity ? in.raw[values * in.stride + x] * opacity_scale : 1.0f;
+      out[b] = std::clamp(v, 0.0f, 1.0f) * std::clamp(opacity, 0.0f, 1.0f);
+    }
+    for (size_t b = values; b < bands; ++b) out[b] = 0.0f;
+    valid[x] = good ? 1 : 0;
+    if (!good) std::fill_n(out, bands, 0.0f);
+  }
+}
+
+void deliver_weather_palette(const BandPlan& plan, const BandView& in, uint32_t width, float* out, uint8_t* valid) {
+  const auto bands = static_cast<size_t>(plan.weather);
+  for (uint32_t x = 0; x < width; ++x, out += bands) {
+    const auto entry = static_cast<size_t>(std::max(in.raw[x], 0.0f));
+    const bool good = entry < plan.palette.size() && !std::isnan(plan.palette[entry][0]);
+    for (size_t b = 0; b < bands; ++b) out[b] = good ? plan.palette[entry][b] : 0.0f;
+    valid[x] = good ? 1 : 0;
+  }
+}
+
 }  // namespace
 
 GdalRaster::GdalRaster(RasterInfo info, std::vector<GDALDatasetUniquePtr> datasets, PixelGrid grid, BandPlan plan)
@@ -158,6 +189,7 @@ bool GdalRaster::read_mask(const Level& level, int x, int y, int width, int rows
   scratch_.mask.assign(pixels, uint8_t{1});
   if (level.alpha || !plan_.palette.empty()) return true;  // alpha itself says what counts
   const int flags = level.colors[0]->GetMaskFlags();
+  if (plan_.weather && (flags & GMF_ALPHA)) return true;  // its opacity is cloud, not absence
   if (flags & GMF_PER_DATASET)
     return level.colors[0]->GetMaskBand()->RasterIO(GF_Read, x, y, width, rows, scratch_.mask.data(), width, rows,
                                                     GDT_Byte, 0, 0, nullptr) == CE_None;
@@ -181,6 +213,9 @@ void GdalRaster::deliver_row(uint32_t row, uint32_t width, uint32_t rows, std::v
   const BandView bands{scratch_.raw.data() + first, scratch_.mask.data() + first, count};
   if (plan_.elevation)
     deliver_heights(plan_, bands, width, values.data(), valid.data());
+  else if (plan_.weather)
+    (plan_.palette.empty() ? deliver_weather : deliver_weather_palette)(plan_, bands, width, values.data(),
+                                                                        valid.data());
   else if (!plan_.palette.empty())
     deliver_palette(plan_, bands, width, values.data(), valid.data());
   else

@@ -249,7 +249,8 @@ std::optional<PixelGrid> native_grid(GDALDataset& dataset, const std::string& pa
   const int width = dataset.GetRasterXSize(), height = dataset.GetRasterYSize();
   const auto g = geotransform_of(dataset);
   const OGRSpatialReference* srs = dataset.GetSpatialRef();
-  const bool broken = messages.has_error() && (srs ? srs->IsEmpty() : g.has_value());  // there was text, but OGR could not read it
+  const bool broken =
+      messages.has_error() && (srs ? srs->IsEmpty() : g.has_value());  // there was text, but OGR could not read it
   if (srs && srs->IsEmpty()) srs = nullptr;
   if (g && srs) {
     require_earth_crs(*srs, path);
@@ -307,7 +308,7 @@ VerticalDatum vertical_datum(GDALDataset& dataset, const std::string& path) {
 }
 
 WarpedDataset warp_to_lon_lat(GDALDataset& source, const std::string& path, bool elevation, double alpha_max,
-                              const GdalMessages& messages) {
+                              const GdalMessages& messages, bool alpha_is_data) {
   const bool assume_degrees = needs_assumed_degrees(source);
   const PixelToLonLat lon_lat_from_pixel(source, assume_degrees);
   const auto f = lon_lat_from_pixel ? footprint_of(source, lon_lat_from_pixel) : std::nullopt;
@@ -347,6 +348,7 @@ WarpedDataset warp_to_lon_lat(GDALDataset& source, const std::string& path, bool
   } else {
     const std::string most = fmt::format("{:g}", alpha_max);
     add({"-dstalpha", "-wo", "SRC_ALPHA_MAX=" + most, "-wo", "DST_ALPHA_MAX=" + most});
+    if (alpha_is_data) add({"-nosrcalpha"});
   }
   std::unique_ptr<GDALWarpAppOptions, decltype(&GDALWarpAppOptionsFree)> options(
       GDALWarpAppOptionsNew(args.List(), nullptr), &GDALWarpAppOptionsFree);

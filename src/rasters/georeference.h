@@ -33,8 +33,9 @@ struct WarpedDataset {
 
 /// Warps (bilinear, on demand as blocks are read) to EPSG:4326 at the source's own resolution: east of the antimeridian
 /// longitudes go on past 180, and a raster around a pole becomes a global strip. Without data: NaN for `elevation`,
-/// else an alpha band whose full value is `alpha_max`. Throws Error(input) when the CRS cannot be brought to EPSG:4326.
+/// else an alpha band whose full value is `alpha_max`. `alpha_is_data`: an alpha band of the source is warped like the
+/// others, and the new one comes after it. Throws Error(input) when the CRS cannot be brought to EPSG:4326.
 WarpedDataset warp_to_lon_lat(GDALDataset& source, const std::string& path, bool elevation, double alpha_max,
-                              const GdalMessages& messages);
+                              const GdalMessages& messages, bool alpha_is_data = false);
 
 }  // namespace nepho
