@@ -112,7 +112,7 @@ std::vector<uint8_t> make_blue_noise() {
   Pattern pattern;
   uint32_t placed = 0;
   for (uint32_t i = 0; i < kCount; ++i)
-    if (hash(hash(i) + 1u) < (1u << 32) / 10u) {
+    if (hash(hash(i) + 1u) < 0xffffffffu / 10u) {
       pattern.add(i);
       ++placed;
     }

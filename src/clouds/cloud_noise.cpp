@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "base/error.h"
 #include "clouds/blue_noise.h"
 #include "clouds/cloud_noise.comp.h"
 #include "clouds/cloud_noise_shared.h"
 #include "clouds/noise_file.h"
+#include "clouds/noise_recipe.h"
 #include "gpu/commands.h"
 #include "gpu/graph_executor.h"
 #include "gpu/pipeline.h"
@@ -19,105 +22,151 @@
 namespace nepho {
 namespace {
 
-constexpr uint64_t kNoiseVersion = 3;  // of what the CPU does here; shaders are part of the key by themselves
-static_assert(sizeof(shared::CloudNoisePush) == 8);
-
-struct Recipe {
-  const char* name;
-  uint32_t kind;
-  uint32_t size;
-  uint32_t channels;  // made by the shader
-  Format format;
-  uint32_t bytes_per_channel;
-};
-constexpr Recipe kField{"clouds.field", shared::kNoiseField, CloudNoise::kFieldSize, 4, Format::rgba16, 2};
-constexpr Recipe kCells{"clouds.cells", shared::kNoiseCells, CloudNoise::kCellsSize, 2, Format::rg16, 2};
-constexpr Recipe kShape{"clouds.shape", shared::kNoiseShape, 128, 1, Format::r8, 1};
-constexpr Recipe kDetail{"clouds.detail", shared::kNoiseDetail, 32, 1, Format::r8, 1};
-constexpr Recipe kTurbulence{"clouds.turbulence", shared::kNoiseTurbulence, 64, 3, Format::rgba8, 1};
+constexpr uint64_t kNoiseVersion = 4;  // of what the CPU does here; shaders are part of the key by themselves
+static_assert(sizeof(shared::NoiseTerm) == 80);
 
 using Planes = std::vector<std::vector<float>>;
 
-Planes run_generator(gpu::Device& device, const Recipe& recipe) {
-  const gpu::ComputePipeline pipeline(device,
-                                      {.name = "clouds.noise", .spirv = cloud_noise_comp, .constants = {recipe.kind}});
-  FrameGraph graph;
-  const uint32_t n = recipe.size;
-  const ImageRef raw = graph.create("clouds.noise", {.extent = {n, n, n}, .format = Format::rgba32f});
-  graph.pass("clouds.noise").write("out_noise", raw).record([&](gpu::Commands& cmd) {
-    cmd.bind(pipeline).push(shared::CloudNoisePush{n, 77u}).dispatch_threads(n, n, n);
-  });
-  graph.keep(raw);
-  gpu::GraphExecutor executor(device);
-  executor.run(graph);
-  const std::vector<float> texels = executor.read<float>(raw);
-  Planes planes(recipe.channels, std::vector<float>(texels.size() / 4));
-  for (size_t c = 0; c < planes.size(); ++c)
-    for (size_t i = 0; i < planes[c].size(); ++i) planes[c][i] = texels[4 * i + c];
-  return planes;
-}
+struct Volume {
+  const char* name;
+  uint32_t size;
+  Format format;
+  uint32_t bytes_per_channel;
+  std::vector<NoiseRecipe> channels;
+  bool vector = false;  ///< three channels are a vector potential, and the volume its curl
+};
 
-/// Raw values as texels. Turbulence is a vector, of one variance, but not of a normal distribution.
-MippedVolume make_volume(const Recipe& recipe, Planes planes, uint32_t size, const std::string& origin) {
-  const bool vector = recipe.kind == shared::kNoiseTurbulence;
-  for (std::vector<float>& plane : planes)
-    if (!normalise_volume(plane, !vector))
-      throw fail(ErrorKind::input, "{}: a channel holds one value only; noise must vary", origin);
-  if (vector) planes.emplace_back(planes[0].size(), MippedVolume::kRange);  // alpha 1
-  return make_mips(std::move(planes), size, recipe.bytes_per_channel);
+const Volume& field_volume() {
+  static const NoiseRecipe fractal{{.cycles = 4, .count = 5, .gain = 0.62f}};
+  static const Volume volume{
+      "clouds.field", CloudNoise::kFieldSize, Format::rgba16, 2, {fractal, fractal, fractal, fractal}};
+  return volume;
 }
-
-MippedVolume generate(gpu::Device& device, const Recipe& recipe) {
-  Planes planes = run_generator(device, recipe);
-  if (recipe.kind == shared::kNoiseTurbulence) {
-    auto curl = curl_of({planes[0], planes[1], planes[2]}, recipe.size);
-    for (size_t c = 0; c < 3; ++c) planes[c] = std::move(curl[c]);
-  }
-  return make_volume(recipe, std::move(planes), recipe.size, recipe.name);
+const Volume& cells_volume() {
+  static const NoiseRecipe round{{.cycles = 9, .amplitude = 0.6f, .domes = true, .bend = 0.02f},
+                                 {.cycles = 17, .amplitude = 0.4f, .domes = true, .bend = 0.02f},
+                                 {.cycles = 7, .count = 3, .gain = 0.6f, .amplitude = 0.45f}};
+  static const NoiseRecipe fractal{{.cycles = 8, .count = 4, .gain = 0.6f}};
+  static const Volume volume{"clouds.cells", CloudNoise::kCellsSize, Format::rg16, 2, {round, fractal}};
+  return volume;
 }
-
-/// The built-in volume, from cache_dir() where it is there. The key holds the shader and the device, whose arithmetic
-/// may round in its own way.
-MippedVolume cached_volume(gpu::Device& device, const Recipe& recipe) {
-  const std::string who = device.info().name + device.info().driver;
-  const uint64_t key = checksum_of(reinterpret_cast<const std::byte*>(cloud_noise_comp), sizeof cloud_noise_comp) +
-                       checksum_of(reinterpret_cast<const std::byte*>(who.data()), who.size()) * 31 + kNoiseVersion;
-  const std::string file = std::string(recipe.name) + ".bin";
-  const uint32_t channels = bytes_per_texel(recipe.format) / recipe.bytes_per_channel;
-  const size_t texels = bytes_of_mips(recipe.size, bytes_per_texel(recipe.format));
-  const size_t mips = full_mip_levels({recipe.size, recipe.size, recipe.size});
-  MippedVolume volume{.size = recipe.size, .texels = {}, .variances = std::vector<float>(mips * channels)};
-  const size_t tail = volume.variances.size() * sizeof(float);
-  if (std::optional<std::vector<std::byte>> blob = load_cached_blob(file, key); blob && blob->size() == texels + tail) {
-    std::memcpy(volume.variances.data(), blob->data() + texels, tail);
-    blob->resize(texels);
-    volume.texels = std::move(*blob);
-    return volume;
-  }
-  volume = generate(device, recipe);
-  std::vector<std::byte> blob = volume.texels;
-  blob.resize(texels + tail);
-  std::memcpy(blob.data() + texels, volume.variances.data(), tail);
-  store_cached_blob(file, key, blob);
+const Volume& shape_volume() {
+  static const NoiseRecipe billows{{.cycles = 8, .amplitude = 0.54f, .domes = true, .bend = 0.02f},
+                                   {.cycles = 17, .amplitude = 0.30f, .domes = true, .bend = 0.02f},
+                                   {.cycles = 35, .amplitude = 0.17f, .domes = true, .bend = 0.02f},
+                                   {.cycles = 7, .count = 3, .gain = 0.55f, .amplitude = 0.3f}};
+  static const Volume volume{"clouds.shape", 128, Format::r8, 1, {billows}};
+  return volume;
+}
+const Volume& detail_volume() {
+  static const NoiseRecipe billows{{.cycles = 4, .count = 2, .gain = 0.61f, .domes = true}};
+  static const Volume volume{"clouds.detail", 32, Format::r8, 1, {billows}};
+  return volume;
+}
+const Volume& turbulence_volume() {
+  static const NoiseRecipe potential{{.cycles = 4, .count = 3, .gain = 0.35f}};
+  static const Volume volume{"clouds.turbulence", 64, Format::rgba8, 1, {potential, potential, potential}, true};
   return volume;
 }
 
-MippedVolume volume_of(gpu::Device& device, const Recipe& recipe, const std::string& file) {
-  if (file.empty()) return cached_volume(device, recipe);
-  NoiseVolumeFile read = read_noise_volume(file, recipe.channels);
-  return make_volume(recipe, std::move(read.planes), read.size, file);
+/// Raw values as texels. Turbulence is a vector, of one variance, but not of a normal distribution.
+MippedVolume make_volume(const Volume& volume, Planes planes, uint32_t size, const std::string& origin) {
+  for (std::vector<float>& plane : planes)
+    if (!normalise_volume(plane, !volume.vector))
+      throw fail(ErrorKind::input, "{}: a channel holds one value only; noise must vary", origin);
+  if (volume.vector) planes.emplace_back(planes[0].size(), MippedVolume::kRange);  // alpha 1
+  return make_mips(std::move(planes), size, volume.bytes_per_channel);
 }
 
-gpu::Image upload_volume(gpu::Device& device, const Recipe& recipe, const MippedVolume& volume) {
-  const Extent3D extent{volume.size, volume.size, volume.size};
+/// Makes built-in volumes; the shader is compiled when it is first needed.
+class Generator {
+ public:
+  explicit Generator(gpu::Device& device) : device_(device), executor_(device) {}
+  /// The volume, from cache_dir() where it is there. The key holds the shader, the recipe and the device, whose
+  /// arithmetic may round in its own way.
+  MippedVolume cached(const Volume& volume) {
+    std::vector<std::vector<NoiseDispatch>> channels;
+    const std::string who = device_.info().name + device_.info().driver;
+    uint64_t key = kNoiseVersion + checksum(std::span(cloud_noise_comp)) + 31 * checksum(std::span(who));
+    for (uint32_t c = 0; c < volume.channels.size(); ++c) {
+      const auto name = static_cast<uint32_t>(checksum(std::string_view(volume.name)));
+      channels.push_back(noise_dispatches(volume.channels[c], volume.size, name + c));
+      for (const NoiseDispatch& octave : channels.back())
+        key = 131 * key + checksum(std::span(&octave.term, 1)) + octave.dome;
+    }
+    const std::string file = std::string(volume.name) + ".bin";
+    const size_t texels = bytes_of_mips(volume.size, bytes_per_texel(volume.format));
+    const size_t mips = full_mip_levels({volume.size, volume.size, volume.size});
+    MippedVolume made{.size = volume.size, .texels = {}, .variances = {}};
+    made.variances.resize(mips * bytes_per_texel(volume.format) / volume.bytes_per_channel);
+    const size_t tail = made.variances.size() * sizeof(float);
+    if (auto blob = load_cached_blob(file, key); blob && blob->size() == texels + tail) {
+      std::memcpy(made.variances.data(), blob->data() + texels, tail);
+      blob->resize(texels);
+      made.texels = std::move(*blob);
+      return made;
+    }
+    made = generate(volume, channels);
+    std::vector<std::byte> blob = made.texels;
+    blob.resize(texels + tail);
+    std::memcpy(blob.data() + texels, made.variances.data(), tail);
+    store_cached_blob(file, key, blob);
+    return made;
+  }
+
+ private:
+  template <typename Range>
+  static uint64_t checksum(const Range& range) {
+    const auto bytes = std::as_bytes(std::span(range));
+    return checksum_of(bytes.data(), bytes.size());
+  }
+  std::vector<float> sum_of(const std::vector<NoiseDispatch>& octaves, uint32_t size) {
+    FrameGraph graph;
+    const ImageRef sum = graph.create("clouds.noise", {.extent = {size, size, size}, .format = Format::r32f});
+    graph.pass("clouds.noise_clear").fill("sum", sum).record([](gpu::Commands& cmd) { cmd.fill("sum", 0.0f); });
+    for (const NoiseDispatch& octave : octaves) {
+      gpu::ComputePipeline& pipeline = pipelines_[octave.dome];
+      if (!pipeline)
+        pipeline = gpu::ComputePipeline(
+            device_, {.name = "clouds.noise", .spirv = cloud_noise_comp, .constants = {octave.dome ? 1u : 0u}});
+      graph.pass("clouds.noise").read_write("sum", sum).record([&](gpu::Commands& cmd) {
+        cmd.bind(pipeline).push(octave.term).dispatch_threads(size, size, size);
+      });
+    }
+    graph.keep(sum);
+    executor_.run(graph);
+    return executor_.read<float>(sum);
+  }
+  MippedVolume generate(const Volume& volume, const std::vector<std::vector<NoiseDispatch>>& channels) {
+    Planes planes;
+    for (const std::vector<NoiseDispatch>& octaves : channels) planes.push_back(sum_of(octaves, volume.size));
+    if (volume.vector) {
+      auto curl = curl_of({planes[0], planes[1], planes[2]}, volume.size);
+      for (size_t c = 0; c < 3; ++c) planes[c] = std::move(curl[c]);
+    }
+    return make_volume(volume, std::move(planes), volume.size, volume.name);
+  }
+  gpu::Device& device_;
+  gpu::GraphExecutor executor_;
+  gpu::ComputePipeline pipelines_[2];
+};
+
+MippedVolume volume_of(Generator& generator, const Volume& volume, const std::string& file) {
+  if (file.empty()) return generator.cached(volume);
+  NoiseVolumeFile read = read_noise_volume(file, static_cast<uint32_t>(volume.channels.size()));
+  return make_volume(volume, std::move(read.planes), read.size, file);
+}
+
+gpu::Image upload_volume(gpu::Device& device, const Volume& volume, const MippedVolume& made) {
+  const Extent3D extent{made.size, made.size, made.size};
   const uint32_t mips = full_mip_levels(extent);
   gpu::Image image =
-      device.create_image({.name = recipe.name, .extent = extent, .format = recipe.format, .mip_levels = mips});
+      device.create_image({.name = volume.name, .extent = extent, .format = volume.format, .mip_levels = mips});
   std::vector<gpu::ImageUpload> uploads;
   size_t offset = 0;
-  for (uint32_t mip = 0, n = volume.size; mip < mips; ++mip, n /= 2) {
-    const size_t bytes = size_t{n} * n * n * bytes_per_texel(recipe.format);
-    uploads.push_back({.image = &image, .bytes = std::span(volume.texels).subspan(offset, bytes), .mip = mip});
+  for (uint32_t mip = 0, n = made.size; mip < mips; ++mip, n /= 2) {
+    const size_t bytes = size_t{n} * n * n * bytes_per_texel(volume.format);
+    uploads.push_back({.image = &image, .bytes = std::span(made.texels).subspan(offset, bytes), .mip = mip});
     offset += bytes;
   }
   device.upload(uploads);
@@ -186,18 +235,19 @@ gpu::Image upload_blue_noise(gpu::Device& device, const std::string& file) {
 }  // namespace
 
 CloudNoise::CloudNoise(gpu::Device& device, const CloudNoiseParams& params) {
-  const auto make = [&](gpu::Image& image, const Recipe& recipe, const std::string& file) {
-    MippedVolume volume = volume_of(device, recipe, file);
-    image = upload_volume(device, recipe, volume);
-    return volume;
+  Generator generator(device);
+  const auto make = [&](gpu::Image& image, const Volume& volume, const std::string& file) {
+    MippedVolume made = volume_of(generator, volume, file);
+    image = upload_volume(device, volume, made);
+    return made;
   };
   // Files first: what is wrong with them should show before anything is made.
-  const MippedVolume shape = make(shape_, kShape, params.shape.file);
-  const MippedVolume detail = make(detail_, kDetail, params.detail.file);
-  make(turbulence_, kTurbulence, params.turbulence.file);
+  const MippedVolume shape = make(shape_, shape_volume(), params.shape.file);
+  const MippedVolume detail = make(detail_, detail_volume(), params.detail.file);
+  make(turbulence_, turbulence_volume(), params.turbulence.file);
   blue_ = upload_blue_noise(device, params.blue_noise_file);
-  const MippedVolume field = make(field_, kField, "");
-  const MippedVolume cells = make(cells_, kCells, "");
+  const MippedVolume field = make(field_, field_volume(), "");
+  const MippedVolume cells = make(cells_, cells_volume(), "");
   variances_ = {variances_of(field, 4, 0, 4), variances_of(cells, 2, 0, 1), variances_of(cells, 2, 1, 1),
                 variances_of(shape, 1, 0, 1), variances_of(detail, 1, 0, 1)};
   fades_ = {.field = fit_fade(variances_[0]),
