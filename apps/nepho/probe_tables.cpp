@@ -1,6 +1,7 @@
 #include "probe_tables.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <istream>
@@ -17,6 +18,21 @@ std::string_view trimmed(std::string_view text) {
   while (!text.empty() && blank(text.front())) text.remove_prefix(1);
   while (!text.empty() && blank(text.back())) text.remove_suffix(1);
   return text;
+}
+
+/// Length of what is left of a cell: up to the next comma or line feed.
+size_t cell_length(std::string_view rest) {
+  return static_cast<size_t>(std::find_if(rest.begin(), rest.end(), [](char c) { return c == ',' || c == '\n'; }) -
+                             rest.begin());
+}
+
+/// Appends a number as printf's %.17g does, ten times faster.
+void append_number(std::string& text, double value) {
+  std::array<char, 32> buffer;
+  const auto [end, problem] =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, 17);
+  NEPHO_ASSERT(problem == std::errc());
+  text.append(buffer.data(), end);
 }
 
 std::string joined(const std::vector<std::string>& names) {
@@ -36,6 +52,7 @@ std::vector<CsvRecord> read_csv(std::istream& in) {
   std::vector<CsvRecord> records;
   for (size_t line = 1; !rest.empty();) {
     CsvRecord record{line, {}};
+    if (!records.empty()) record.cells.reserve(records.back().cells.size());
     for (bool more = true; more;) {
       std::string cell;
       std::string_view before = rest.substr(0, std::min(rest.find_first_not_of(" \t"), rest.size()));
@@ -51,18 +68,16 @@ std::vector<CsvRecord> read_csv(std::istream& in) {
           cell += rest.front();
         }
         rest.remove_prefix(1);
-        const size_t end = std::min(rest.find_first_of(",\n"), rest.size());
-        std::string_view after = rest.substr(0, end);
+        std::string_view after = rest.substr(0, cell_length(rest));
+        rest.remove_prefix(after.size());
         if (after.ends_with('\r')) after.remove_suffix(1);
         if (!trimmed(after).empty())
           throw fail(ErrorKind::input, "line {}: '{}' follows a closing double quote", line, trimmed(after));
-        rest.remove_prefix(end);
       } else {
-        const size_t end = std::min(rest.find_first_of(",\n"), rest.size());
-        cell = rest.substr(0, end);
-        rest.remove_prefix(end);
-        if (!rest.starts_with(',') && cell.ends_with('\r')) cell.pop_back();
-        cell = std::string(trimmed(cell));
+        std::string_view plain = rest.substr(0, cell_length(rest));
+        rest.remove_prefix(plain.size());
+        if (!rest.starts_with(',') && plain.ends_with('\r')) plain.remove_suffix(1);
+        cell = trimmed(plain);
       }
       record.cells.push_back(std::move(cell));
       more = rest.starts_with(',');
@@ -82,7 +97,7 @@ std::string csv_cell(const std::string& text) {
   return quoted + '"';
 }
 
-ProbeTable::ProbeTable(std::string kind, std::span<const ProbeInput> inputs, const std::vector<CsvRecord>& records)
+ProbeTable::ProbeTable(std::string kind, std::span<const ProbeInput> inputs, std::vector<CsvRecord> records)
     : kind_(std::move(kind)) {
   std::vector<std::string> required;
   for (const ProbeInput& input : inputs)
@@ -127,7 +142,9 @@ ProbeTable::ProbeTable(std::string kind, std::span<const ProbeInput> inputs, con
   }
   for (const auto& [input, at] : found) {
     Column column{input.name, {}, {}};
-    for (size_t r = 1; r < records.size(); ++r) column.texts.push_back(records[r].cells[at]);
+    column.texts.reserve(lines_.size());
+    for (size_t r = 1; r < records.size(); ++r) column.texts.push_back(std::move(records[r].cells[at]));
+    if (input.type != ProbeInput::Type::text) column.numbers.reserve(lines_.size());
     if (input.type != ProbeInput::Type::text)
       for (size_t row = 0; row < rows(); ++row) read_number(input, row, column);
     columns_.push_back(std::move(column));
@@ -189,6 +206,7 @@ Error ProbeTable::bad_cell(size_t row, std::string_view column, const std::strin
 }
 
 void ProbeTable::write(std::ostream& out, const std::vector<ProbeColumn>& results) const {
+  constexpr size_t kPiece = 1 << 20;
   std::string text;
   const auto add = [&](bool first, const std::string& cell) {
     if (!first) text += ',';
@@ -201,9 +219,13 @@ void ProbeTable::write(std::ostream& out, const std::vector<ProbeColumn>& result
     for (const Column& column : columns_) add(&column == &columns_.front(), csv_cell(column.texts[row]));
     for (const ProbeColumn& result : results) {
       NEPHO_ASSERT_OP(result.values.size(), ==, rows());
-      add(false, std::isnan(result.values[row]) ? std::string() : fmt::format("{:.17g}", result.values[row]));
+      text += ',';
+      if (!std::isnan(result.values[row])) append_number(text, result.values[row]);
     }
     text += '\n';
+    if (text.size() < kPiece) continue;
+    out << text;
+    text.clear();
   }
   out << text << std::flush;
   if (!out) throw fail(ErrorKind::failure, "probe {}: the results cannot be written", kind_);

@@ -44,7 +44,7 @@ struct ProbeColumn {
 /// The inputs of a probe, checked: numbers are finite, latitudes -90..90; NaN stands for a blank optional cell.
 class ProbeTable {
  public:
-  ProbeTable(std::string kind, std::span<const ProbeInput> inputs, const std::vector<CsvRecord>& records);
+  ProbeTable(std::string kind, std::span<const ProbeInput> inputs, std::vector<CsvRecord> records);
   size_t rows() const { return lines_.size(); }
   /// Whether an optional column is in the table.
   bool given(std::string_view column) const;

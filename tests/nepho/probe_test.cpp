@@ -12,14 +12,13 @@
 #include "base/files.h"
 #include "oracles/oracle_table.h"
 #include "probe_tables.h"
+#include "weather/weather_map.h"
 
 using namespace nepho;
 
 namespace {
 
-std::string oracle_text(const std::string& name) {
-  return read_text_file(test::oracle_path(name + ".csv"));
-}
+std::string oracle_text(const std::string& name) { return read_text_file(test::oracle_path(name + ".csv")); }
 
 std::string probe(const std::string& kind, const std::string& table) {
   std::istringstream in(table);
@@ -176,7 +175,18 @@ TEST_CASE("CRLF, blank lines, quotes, spaces, a byte order mark and a missing la
 
 TEST_CASE("a header without rows gives a header, for every kind") {
   CHECK(probe("geodetic_ecef", "lat_deg,lon_deg,height_m\n") == "lat_deg,lon_deg,height_m,x_m,y_m,z_m\n");
+  const std::map<std::string, std::string> clouds{
+      {"weather",
+       "lat_deg,lon_deg,coverage_r,coverage_g,coverage_b,coverage_a,type,base_offset_m,density_factor,precipitation\n"},
+      {"density", "lat_deg,lon_deg,height_m,density_r,density_g,density_b,density_a,extinction_per_m\n"},
+      {"column",
+       "lat_deg,lon_deg,optical_depth_r,optical_depth_g,optical_depth_b,optical_depth_a,optical_depth,base_m,top_m\n"}};
   for (const std::string& kind : probe_kind_names()) {
+    CAPTURE(kind);
+    if (clouds.count(kind) > 0) {
+      CHECK(probe(kind, "height_m,lon_deg,lat_deg\n") == clouds.at(kind));
+      continue;
+    }
     const std::string text = oracle_text(kind);
     CHECK(rows_of(probe(kind, text.substr(0, text.find('\n') + 1))).empty());
   }
@@ -241,10 +251,68 @@ TEST_CASE("an unknown kind is a usage error that names the nearest and all known
   const Error e = probe_error("geodetic_ecf", "");
   CHECK(e.kind() == ErrorKind::usage);
   CHECK(mentions(e, "did you mean 'geodetic_ecef'"));
-  for (const char* kind : {"geodetic_ecef", "ecef_to_geodetic", "enu_frames", "geodesic_inverse", "geodesic_direct",
-                           "geoid_egm96", "ephemeris", "transmittance", "single_scattering", "ground_irradiance",
-                           "sky_radiance", "sky_radiance_to_point", "sun_sky_irradiance"})
+  for (const char* kind :
+       {"geodetic_ecef", "ecef_to_geodetic", "enu_frames", "geodesic_inverse", "geodesic_direct", "geoid_egm96",
+        "ephemeris", "transmittance", "single_scattering", "ground_irradiance", "sky_radiance", "sky_radiance_to_point",
+        "sun_sky_irradiance", "weather", "density", "column"})
     CHECK(mentions(e, kind));
+}
+
+TEST_CASE(
+    "a bad row of a table of clouds is an input error with line and column, before any device or file is opened") {
+  const struct {
+    const char *kind, *table, *says;
+  } cases[] = {
+      {"weather", "lat_deg,lon_deg\n0,0\n-90.5,0\n", "line 3, column 'lat_deg': -90.5 is outside -90..90"},
+      {"weather", "lat_deg\n0\n", "column 'lon_deg' is missing"},
+      {"density", "lat_deg,lon_deg\n0,0\n", "column 'height_m' is missing"},
+      {"density", "lat_deg,lon_deg,height_m\n0,nan,0\n", "line 2, column 'lon_deg': 'nan' is not a finite number"},
+      {"density", "lat_deg,lon_deg,height_m\n0,0,2e9\n",
+       "line 2, column 'height_m': 2000000000 is outside -12000..1000000000"},
+      {"density", "lat_deg,lon_deg,height_m\n0,0,\n", "line 2, column 'height_m': the cell is empty"},
+      {"density", "lat_deg,lon_deg,height_m,camera_lat_deg\n0,0,0,0\n", "column 'camera_lon_deg' is missing"},
+      {"density", "lat_deg,lon_deg,height_m,camera_lat_deg,camera_lon_deg,camera_height_m\n0,0,0,0,0,-13000\n",
+       "line 2, column 'camera_height_m': -13000 is outside"},
+      {"density", "lat_deg,lon_deg,height_m,camera_lat_deg,camera_lon_deg,camera_height_m\n0,0,0,91,0,0\n",
+       "line 2, column 'camera_lat_deg': 91 is outside -90..90"},
+      {"column", "lat_deg,lon_deg,footprint_m\n0,0,-1\n", "line 2, column 'footprint_m': -1 is outside 0..10000000"},
+      {"column", "lat_deg,lon_deg,time\n0,0,2026-01-01\n0,0,noon\n", "line 3, column 'time': time 'noon'"},
+      {"column", "lat_deg,lon_deg,time\n0,0,2101-01-01\n", "is outside 1900..2100"}};
+  for (const auto& c : cases) {
+    CAPTURE(c.table);
+    const Error e = probe_error(c.kind, c.table);
+    CAPTURE(e.what());
+    CHECK(e.kind() == ErrorKind::input);
+    CHECK(mentions(e, c.says));
+  }
+}
+
+TEST_CASE("weather files are opened before a device is asked for, and only for kinds that look at clouds") {
+  int opened = 0;
+  ProbeOptions options;
+  options.device = "no such device";
+  options.open_weather = [&](const Scene&) -> WeatherSources {
+    ++opened;
+    throw fail(ErrorKind::input, "w.tif: not weather");
+  };
+  std::istringstream in("lat_deg,lon_deg\n1,2\n"), again("lat_deg,lon_deg\n1,2\n");
+  std::ostringstream out;
+  CHECK(run_probe("geoid_egm96", in, out, options) == 0);
+  CHECK(opened == 0);
+  try {
+    run_probe("column", again, out, options);
+    FAIL("no error");
+  } catch (const Error& e) {
+    CHECK(e.kind() == ErrorKind::input);
+    CHECK(std::string(e.what()) == "w.tif: not weather");
+  }
+  CHECK(opened == 1);
+}
+
+TEST_CASE("results have 17 significant digits: they come back as the same numbers") {
+  const auto rows = rows_of(probe("geodetic_ecef", "lat_deg,lon_deg,height_m\n35.1,138.7,12.5\n0,90,1e-7\n"));
+  CHECK(rows[0].at("x_m") == fmt::format("{:.17g}", number(rows[0].at("x_m"))));
+  CHECK(rows[1].at("y_m") == "6378137.0000000997");
 }
 
 TEST_CASE("an output that cannot be written is a failure") {
