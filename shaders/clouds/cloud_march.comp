@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Marches one cloud layer between its two shells for every pixel. Writes what the clouds send to the eye as shares of the lights
-// (cloud_shade.comp makes luminance of them) and their transmittance; and depth, optical depth, layer and step count.
+// Marches all cloud layers for every pixel. Writes what the clouds send to the eye as shares of the lights (cloud_shade.comp
+// makes luminance of them) and their transmittance; and depth, optical depth, dominant layer and step count.
 #include "common/frame.h"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
@@ -10,31 +10,27 @@ layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_d
 layout(set = 0, binding = 20, r32f) uniform readonly image2D depth_m;
 layout(set = 0, binding = 21, rgba32f) uniform writeonly image2D out_light;
 layout(set = 0, binding = 22, rgba32f) uniform writeonly image2D out_info;
+layout(set = 0, binding = 23) uniform sampler2DArray cloud_blue;
 
-const int kMaxSteps = 176;
-const int kCovers = 8;             // readings of the weather map along a ray
+const int kMaxSteps = 256;
+const int kPlaces = 8;              // readings of the weather map along a ray
 const int kMaxLights = 6;           // points of a ray that look for the sun
 const float kLightShare = 0.20;     // about how much of what the ray sees each stands for
 const float kOpaque = 1.0e-3;       // transmittance at which nothing behind matters
-const float kDeepest = 8.0;        // optical depth at which the wide lobes are used up too
-const float kLevelStep_m = 400.0;   // a level of -1 is about this far from a cloud, at least
+const float kDeepest = 8.0;         // optical depth at which the wide lobes are used up too
+const float kLevelStep = 0.16;      // a level of -1 is about this many cells from a cloud, at least
 const float kColumn_m = 250.0;      // ground between two readings of the slow fields
 const float kSkyView = 0.3;         // as CloudOctave.view, for light of the sky and the ground
 const float kShapeReach = 0.60;     // most that billows add to a level, but for rare peaks
+const float kBaseSlope = 0.04;      // steepest rise of a base that follows ground or weather
 
-// Interleaved gradient noise (Jimenez 2014), another offset each frame.
-float march_jitter(uvec2 pixel) {
-  uint shift = (frame.frame_data.frame_index * 7u + frame.frame_data.seed * 13u) % 256u;
-  vec2 p = vec2(pixel) + 5.588238 * float(shift);
-  return fract(52.9829189 * fract(dot(p, vec2(0.06711056, 0.00583715))));
-}
-
-// The stretches of the ray inside the layer: [span.x, span.y] without the part [gap.x, gap.y] below it. entry_f_m2 is
-// planet_f() at span.x, known from the shell itself where the ray enters through one: no large float is subtracted.
-bool layer_span(vec3 dir, float far_m, out vec2 span, out vec2 gap, out float entry_f_m2) {
-  PlanetView planet = frame.frame_data.planet;
+// The stretches of the ray between the shells that hold all layers: [span.x, span.y] without the part [gap.x, gap.y] below
+// them. entry_f_m2 is planet_f() at span.x, known from the shell itself where the ray enters through one: no large float is
+// subtracted.
+bool hull_span(vec3 dir, float far_m, out vec2 span, out vec2 gap, out float entry_f_m2) {
+  PlanetView planet = CLOUD_PLANET;
   // Scaled height is up to 1.00336 times the geodetic one: the shells are taken that much apart.
-  float low_m = CLOUD.base_m - 0.03 * CLOUD.thickness_m, high_m = (CLOUD.base_m + CLOUD.thickness_m) * 1.0034;
+  float low_m = CLOUD.hull_low_m - max(-CLOUD.hull_low_m, 0.0) * 0.0034 - 1.0, high_m = CLOUD.hull_high_m * 1.0034 + 1.0;
   gap = vec2(kFarDepth_m);
   entry_f_m2 = planet.camera_f_m2;
   vec2 outer, inner;
@@ -42,7 +38,7 @@ bool layer_span(vec3 dir, float far_m, out vec2 span, out vec2 gap, out float en
   span = vec2(max(outer.x, 0.0), min(outer.y, far_m));
   if (outer.x > 0.0) entry_f_m2 = high_m * (2.0 * planet.a_m + high_m);
   if (intersect_shell(planet, dir, low_m, inner) && inner.y > 0.0) {
-    if (inner.x <= 0.0) {  // the camera is below the layer
+    if (inner.x <= 0.0) {  // the camera is below the layers
       span.x = inner.y;
       entry_f_m2 = low_m * (2.0 * planet.a_m + low_m);
     } else {
@@ -52,58 +48,79 @@ bool layer_span(vec3 dir, float far_m, out vec2 span, out vec2 gap, out float en
   return span.x < span.y;
 }
 
+// Length of a ray over which height changes by dz, where it climbs by `climb` per metre and the Earth curves away below it.
+float ray_over(float dz_m, float climb) { return 2.0 * dz_m / (climb + sqrt(climb * climb + 2.0 * dz_m / CLOUD_PLANET.a_m)); }
+
 void main() {
   // Neighbouring lanes march in step: blocks of 4 x 2 pixels stay together better than rows of 8.
-  uint l = gl_LocalInvocationIndex;
-  ivec2 pixel = ivec2(gl_WorkGroupID.xy * 8u + uvec2((l & 3u) | ((l >> 1) & 4u), ((l >> 2) & 1u) | ((l >> 3) & 6u)));
+  uint lane = gl_LocalInvocationIndex;
+  ivec2 pixel = ivec2(gl_WorkGroupID.xy * 8u + uvec2((lane & 3u) | ((lane >> 1) & 4u), ((lane >> 2) & 1u) | ((lane >> 3) & 6u)));
   if (any(greaterThanEqual(pixel, ivec2(frame.frame_data.size)))) return;
-  PlanetView planet = frame.frame_data.planet;
+  PlanetView planet = CLOUD_PLANET;
   vec3 dir = pixel_direction(frame.frame_data, vec2(pixel) + 0.5);
   vec3 sun = frame.frame_data.key_dir;
 
   vec2 span, gap;
   float entry_f_m2;
   float transmittance = 1.0, depth_sum = 0.0, weight_sum = 0.0, tau = 0.0;
+  vec4 layer_weight = vec4(0.0);
   vec3 light = vec3(0.0);  // share of sun illuminance, of sky illuminance, of ground exitance (1/sr)
   int steps = 0;
-  if (layer_span(dir, imageLoad(depth_m, pixel).r, span, gap, entry_f_m2)) {
+  if (hull_span(dir, imageLoad(depth_m, pixel).r, span, gap, entry_f_m2)) {
     float cos_sun = dot(dir, sun);
     float phase = phase_dual_hg(cos_sun, CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight);
     vec2 lobes = vec2(0.0);
     for (int n = 0; n < 2; ++n) lobes[n] = kOctaves[n].gain * phase_hg(cos_sun, CLOUD.phase_g_forward * kOctaves[n].lobe);
+    float albedo = CLOUD.single_scattering_albedo;
+    phase *= albedo;
+    lobes *= vec2(albedo * albedo, albedo * albedo * albedo * albedo);
 
     vec3 scaled_dir = scaled_from_cam(planet, dir);
     vec3 entry_q = planet.camera_q_m + scaled_dir * span.x;
     float f_slope = 2.0 * dot(entry_q, scaled_dir), f_bend = dot(scaled_dir, scaled_dir);
-    float longest = min(span.y, gap.x) - span.x;
-    if (gap.x < span.y) longest = max(longest, span.y - gap.y);
-    float coarse = smoothstep(80.0, 500.0, frame.frame_data.pixel_angle_rad * span.x);
-    float cap = max(longest / (CLOUD.uniform_density > 0.0 ? 160.0 : mix(24.0, 12.0, coarse)), 10.0), leap = 0.12 * longest;
-    float jitter = mix(0.7 * march_jitter(uvec2(pixel)), 0.5, coarse);  // from far away the field is smooth: no noise wanted
-    float s = 0.0, end = span.y - span.x;  // along the ray from its entry: exact from any distance
+    float pixel_angle = frame.frame_data.pixel_angle_rad;
+    float coarse = smoothstep(80.0, 500.0, pixel_angle * span.x);
+    float crossings = CLOUD.uniform_density > 0.0 ? 160.0 : mix(24.0, 12.0, coarse);  // steps through a layer, at least
+    float blue = texelFetch(cloud_blue, ivec3(pixel & 63, int(frame.frame_data.frame_index & 15u)), 0).r;
+    blue = fract(blue + 0.618034 * float((frame.frame_data.seed + frame.frame_data.frame_index / 16u) & 1023u));
+    float jitter = mix(0.7 * blue, 0.5, coarse);  // from far away the field is smooth: no noise wanted
+    float s = 0.0, end = span.y - span.x;         // along the ray from its entry: exact from any distance
     vec2 gap_s = gap - span.x;
-    CloudColumn near = CloudColumn(0.0, 0.0, 0.0, vec2(0.0)), far = near;
-    float near_t = span.x - 1.0, far_t = span.x - 1.0, column_m = 0.0;
-    vec4 sources[kMaxLights], columns[kMaxLights];
-    float bends[kMaxLights];
+
+    // Weather at distances that grow as squares: read here, where all rays of a group read together. (A software device pays
+    // for everything within the march's loop at every step, whether a condition asks for it or not.)
+    CloudWeather places[kPlaces];
+    for (int i = 0; i < kPlaces; ++i) {
+      float u = float(i) / float(kPlaces - 1);
+      float place_t = span.x + end * u * u;
+      vec3 place = dir * place_t;
+      places[i] = cloud_weather_at(place, geodetic_up(planet, place), log2(max(pixel_angle * place_t, 1.0)));
+    }
+
+    CloudColumn near[LAYERS], far[LAYERS];
+    float near_t[LAYERS], far_t[LAYERS], column_m[LAYERS];
+    for (uint l = 0u; l < LAYERS; ++l) {
+      far[l] = CloudColumn(0.0, 0.0, 0.0, vec3(0.0), 0.0, 0.0, 0.0);
+      near_t[l] = far_t[l] = span.x - 1.0;
+      column_m[l] = 0.0;
+    }
+    vec4 sources[kMaxLights];
+    CloudColumn columns[kMaxLights];
+    uint source_layers[kMaxLights];
     vec4 pending = vec4(0.0);
     float pending_seen = 0.0;
     int lights = 0;
     float light_share = mix(kLightShare, 0.45, coarse);
     vec3 wide = vec3(0.0);  // optical depths so far of the two wide lobes and of sky light
-    // Coverage at distances that grow as squares: read here, where all rays of a group read together. (A software device pays
-    // for everything within the march's loop at every step, whether a condition asks for it or not.)
-    float covers[kCovers];
-    for (int i = 0; i < kCovers; ++i) {
-      float u = float(i) / float(kCovers - 1);
-      float cover_t = span.x + end * u * u;
-      covers[i] = cloud_probit(dir * cover_t, log2(max(frame.frame_data.pixel_angle_rad * cover_t, 1.0)));
-    }
+    float cap = 1.0e9;
+    uint main_layer = 0u;
+    CloudColumn lit = CloudColumn(0.0, 0.0, 0.0, vec3(0.0), 0.0, 0.0, 0.0);  // where light was last sent from
+
     for (; steps < kMaxSteps && s < end; ++steps) {
       if (s >= gap_s.x && s < gap_s.y) s = gap_s.y;
       if (s >= end) break;
       float t = span.x + s;
-      float fine = min(max(t * 0.02, 36.0), cap);
+      float fine = min(max(t * 0.02, 36.0), max(cap, 2.0));
       float at_s = min(s + jitter * fine, end);  // stretches of the ray tile it exactly; each is sampled somewhere inside
       float at = span.x + at_s;
       vec3 q = entry_q + scaled_dir * at_s;
@@ -111,58 +128,116 @@ void main() {
       float inv = inversesqrt(dot(sq, sq));
       vec3 up = sq * inv;
       float height_m = scaled_height_from_f(planet, entry_f_m2 + at_s * (f_slope + at_s * f_bend)) * length(q) * inv;
-      float eta = (height_m - CLOUD.base_m) / CLOUD.thickness_m;
       vec3 p = dir * at;
+      float climb = abs(dot(dir, up));
 
-      float footprint_m = max(frame.frame_data.pixel_angle_rad * at, 0.08 * fine);
-      float log2_footprint = log2(footprint_m);
-      float step_m = fine, sigma = 0.0, level = 0.0, clump_depth = 0.0, unresolved = 0.0;
-      CloudColumn column;
-      if (CLOUD.uniform_density > 0.0) {
-        if (eta >= 0.0 && eta <= 1.0) sigma = CLOUD.uniform_density * CLOUD.extinction_per_m;
-        level = 1.0;
-        column = CloudColumn(8.0, 0.0, 0.0, vec2(0.0));
-      } else if (eta > -0.03 && eta < 1.0) {
-        // Slow fields: read every few hundred metres of ground, straight lines between.
-        while (far_t < at) {
-          near = far;
-          near_t = far_t;
-          far_t = max(far_t + column_m, at);
-          vec3 far_p = dir * far_t;
-          float far_footprint_m = frame.frame_data.pixel_angle_rad * far_t;
-          float place = sqrt(clamp((far_t - span.x) / end, 0.0, 1.0)) * float(kCovers - 1);
-          int first = min(int(place), kCovers - 2);
-          far = cloud_column_with(mix(covers[first], covers[first + 1], place - float(first)), far_p, geodetic_up(planet, far_p),
-                                  geodetic_height(planet, far_p), log2(max(far_footprint_m, 1.0)));
-          column_m = max(kColumn_m, 2.0 * far_footprint_m) / max(sqrt(max(1.0 - pow(dot(dir, up), 2.0), 0.0)), 0.05);
-        }
-        column = mix_columns(near, far, (at - near_t) / max(far_t - near_t, 1.0e-3));
-        float unknown = column.unknown;
-        level = cloud_cell_level(column, p, up, height_m, eta, log2_footprint, unknown);
-        // (the steep cut below the base says nothing about distance)
-        float reach = level + kBaseSharpness * max(0.05 - eta, 0.0) + kShapeReach * CLOUD.shape_amount * smoothstep(0.0, 0.25, eta) + 2.6 * sqrt(unknown);
-        if (reach > 0.0) {
-          level += cloud_shape_level(p, eta, log2_footprint, unknown);
-          if (abs(level) < 0.3 && transmittance > 0.1) level += cloud_detail_level(p, eta, log2_footprint, unknown);
-          CloudMedium medium = cloud_medium(level, unknown, fine * 0.0006, eta, footprint_m);
-          sigma = medium.sigma_per_m;
-          clump_depth = medium.clump_depth;
-          unresolved = clamp(3.0 * unknown, 0.0, 1.0);
-          if (sigma > 0.0)
-            step_m = tau < 4.0 ? clamp(1.0 / sigma, 0.4 * fine, fine) : 3.0 * fine;  // about one optical depth
-          else
-            step_m = clamp(-level * kLevelStep_m, fine, min(4.0 * fine, leap));
+      // Which layers are here, and how far the others.
+      float place = sqrt(clamp(at_s / end, 0.0, 1.0)) * float(kPlaces - 1);
+      int first = min(int(place), kPlaces - 2);
+      float between = place - float(first);
+      CloudWeather here;
+      here.properties = mix(places[first].properties, places[first + 1].properties, between);
+      here.ground_m = mix(places[first].ground_m, places[first + 1].ground_m, between);
+      float slope = climb + (GROUND || WEATHER != kWeatherUniform ? kBaseSlope : 1.0e-4);
+      float leap_m = 1.0e9, next_cap = 1.0e9;
+      uint todo = 0u;
+      for (uint l = 0u; l < LAYERS; ++l) {
+        float base_m = cloud_base_m(l, here), thickness_m = CLOUD.layers[l].thickness_m;
+        float away_m = max(base_m - height_m, height_m - base_m - thickness_m);
+        float cross_m = ray_over(thickness_m, climb) / crossings;
+        if (away_m < 0.0) {
+          todo |= 1u << l;
+          next_cap = min(next_cap, cross_m);
         } else {
-          step_m = clamp(-reach * kLevelStep_m, fine, min(fine + 0.08 * t + 200.0, leap));
+          float reach_m = ray_over(away_m, slope);
+          if (reach_m < leap_m) {
+            leap_m = reach_m;
+            if (todo == 0u) cap = cross_m;
+          }
         }
       }
+      if (todo != 0u) cap = next_cap;
+      leap_m = max(leap_m, 2.0);
+
+      float footprint_m = max(pixel_angle * at, 0.08 * fine);
+      float log2_footprint = log2(footprint_m);
+      float step_m = todo != 0u ? leap_m : max(leap_m, min(fine, 0.5 * cap));
+      float sigma = 0.0, clump_depth = 0.0, unresolved = 0.0, level_here = 0.0, eta_here = 0.0, sigma_best = 0.0;
+      vec4 sigmas = vec4(0.0);
+      CloudColumn column;
+      do {
+        uint l = todo != 0u ? uint(findLSB(todo)) : 0u;
+        if (todo != 0u) {
+          // Slow fields: read every few hundred metres of ground, straight lines between.
+          while (far_t[l] < at) {
+            near[l] = far[l];
+            near_t[l] = far_t[l];
+            float t1 = max(far_t[l] + column_m[l], at);
+            far_t[l] = t1;
+            vec3 far_p = dir * t1;
+            float far_footprint_m = pixel_angle * t1;
+            float far_place = sqrt(clamp((t1 - span.x) / end, 0.0, 1.0)) * float(kPlaces - 1);
+            int far_first = min(int(far_place), kPlaces - 2);
+            float far_between = far_place - float(far_first);
+            CloudWeather w;
+            w.coverage = mix(places[far_first].coverage, places[far_first + 1].coverage, far_between);
+            w.properties = mix(places[far_first].properties, places[far_first + 1].properties, far_between);
+            w.ground_m = mix(places[far_first].ground_m, places[far_first + 1].ground_m, far_between);
+            far[l] = cloud_column(l, w, far_p, geodetic_up(planet, far_p), geodetic_height(planet, far_p), log2(max(far_footprint_m, 1.0)));
+            column_m[l] = max(kColumn_m, 2.0 * far_footprint_m) / max(sqrt(max(1.0 - climb * climb, 0.0)), 0.05);
+          }
+          CloudColumn c = mix_columns(near[l], far[l], (at - near_t[l]) / max(far_t[l] - near_t[l], 1.0e-3));
+          float eta = cloud_eta(l, c, height_m);
+          float unknown = c.unknown;
+          float apart_m = kLevelStep * CLOUD.layers[l].cell_size_m;
+          float advance_m = fine;
+          if (CLOUD.uniform_density > 0.0) {
+            float slab = eta >= 0.0 && eta <= 1.0 ? CLOUD.uniform_density * CLOUD.layers[l].extinction_per_m : 0.0;
+            sigma += slab;
+            sigmas[CLOUD.layers[l].slot] = slab;
+            column = c;
+            level_here = 1.0;
+          } else if (eta > 0.0 && eta < 1.0) {
+            float level = cloud_cell_field(l, c, p, up, height_m, log2_footprint, unknown);
+            float need = cloud_need(l, c, eta);
+            level -= cell_threshold(need, c.probit);
+            // (the steep cut at the base says nothing about distance)
+            float reach = level + max(need - 1.0, 0.0) * smoothstep(0.03, 0.0, eta) + kShapeReach * CLOUD.layers[l].shape_amount * smoothstep(0.0, 0.25, eta) + 2.6 * sqrt(unknown);
+            if (reach > 0.0) {
+              CloudChurn churn = cloud_churn(l, p, up, eta, log2_footprint);
+              level += cloud_shape_level(l, c, churn, p, eta, log2_footprint, unknown);
+              if (level > -0.3 && level < 0.3 + CLOUD.layers[l].filter_width && transmittance > 0.1) level += cloud_detail_level(l, c, churn, p, eta, log2_footprint, unknown);
+              CloudMedium medium = cloud_medium(l, c.density, level, unknown, fine * 0.0006, eta, footprint_m);
+              if (medium.sigma_per_m > sigma_best) {
+                sigma_best = medium.sigma_per_m;
+                column = c;
+                main_layer = l;
+                level_here = level;
+                eta_here = eta;
+                clump_depth = medium.clump_depth;
+                unresolved = clamp(3.0 * unknown, 0.0, 1.0);
+              }
+              sigma += medium.sigma_per_m;
+              sigmas[CLOUD.layers[l].slot] = medium.sigma_per_m;
+              if (medium.sigma_per_m > 0.0)
+                advance_m = tau < 4.0 ? clamp(1.0 / medium.sigma_per_m, 0.4 * fine, fine) : 3.0 * fine;  // about one optical depth
+              else
+                advance_m = clamp(-level * apart_m, fine, 4.0 * fine);
+            } else {
+              advance_m = clamp(-reach * apart_m, fine, fine + 0.08 * t + 0.5 * apart_m);
+            }
+          }
+          step_m = min(step_m, advance_m);
+        }
+        todo &= todo - 1u;
+      } while (todo != 0u);
 
       if (sigma > 0.0) {
         step_m = min(step_m, (s < gap_s.x ? min(end, gap_s.x) : end) - s);
         float d_tau = sigma * step_m;
         float w = transmittance * (1.0 - exp(-d_tau));
         // Deep in a cloud light comes from all around; at its rim from one side.
-        float fill = mix(mix(0.5, 1.0, clamp(level * 1.8, 0.0, 1.0)), 0.85, unresolved);
+        float fill = mix(mix(0.5, 1.0, clamp(level_here * 1.8, 0.0, 1.0)), 0.85, unresolved);
         // Scaled by `view` inside a clump; a clump as a whole hides what lies behind for every order alike.
         vec3 scale = vec3(kOctaves[0].view, kOctaves[1].view, kSkyView);
         float x = max(clump_depth, 0.02);
@@ -174,19 +249,21 @@ void main() {
         float seen = w + 0.5 * (w_wide.x + w_wide.y);
         pending += vec4(at * seen, sent);
         pending_seen += seen;
+        lit = column;
         if (pending_seen > light_share && lights < kMaxLights) {
           sources[lights] = vec4(pending.x / pending_seen, pending.yzw);
-          columns[lights] = vec4(column.probit, column.slow, column.unknown, column.bend.x);
-          bends[lights] = column.bend.y;
+          columns[lights] = column;
+          source_layers[lights] = main_layer;
           ++lights;
           pending = vec4(0.0);
           pending_seen = 0.0;
         }
-        float w_sky = w_wide.z;
-        float h = clamp(eta, 0.0, 1.0);
+        float w_sky = w_wide.z * albedo;
+        float h = clamp(eta_here, 0.0, 1.0);
         light += vec3(0.0, w_sky * mix(0.16, 0.55, h) / kPi, w_sky * mix(0.45, 0.1, h) / kPi);
         depth_sum += w * at;
         weight_sum += w;
+        layer_weight += sigmas * (w / sigma);
         tau += d_tau;
         transmittance *= exp(-d_tau);
         if (tau > kDeepest) break;
@@ -197,8 +274,8 @@ void main() {
     if (pending_seen > 0.0) {
       if (lights == 0) {
         sources[0] = vec4(pending.x / pending_seen, pending.yzw);
-        columns[0] = vec4(near.probit, near.slow, near.unknown, near.bend.x);
-        bends[0] = near.bend.y;
+        columns[0] = lit;
+        source_layers[0] = main_layer;
         lights = 1;
       } else {
         sources[lights - 1].yzw += pending.yzw;
@@ -212,15 +289,20 @@ void main() {
       vec3 sq = vec3(q.xy, q.z * planet.a_over_b);
       float inv = inversesqrt(dot(sq, sq));
       float height_m = scaled_height_from_f(planet, entry_f_m2 + at_s * (f_slope + at_s * f_bend)) * length(q) * inv;
-      CloudColumn column = CloudColumn(columns[i].x, columns[i].y, columns[i].z, vec2(columns[i].w, bends[i]));
-      float footprint_m = max(frame.frame_data.pixel_angle_rad * at, 0.08 * min(max(at * 0.013, 27.0), cap));
-      float sun_depth = cloud_sun_depth(dir * at, sq * inv, height_m, column, log2(footprint_m));
+      float footprint_m = max(pixel_angle * at, 0.08 * max(at * 0.013, 27.0));
+      float sun_depth = cloud_sun_depth(source_layers[i], columns[i], dir * at, sq * inv, height_m, log2(footprint_m));
       light.x += dot(sources[i].yzw, exp(-sun_depth * vec3(1.0, kOctaves[0].sun, kOctaves[1].sun)));
     }
     if (transmittance < kOpaque) transmittance = 0.0;
   }
 
   float mean_m = weight_sum > 0.0 ? depth_sum / weight_sum : kFarDepth_m;
+  float dominant = 0.0, most = 0.0;
+  for (int i = 0; i < 4; ++i)
+    if (layer_weight[i] > most) {
+      most = layer_weight[i];
+      dominant = float(i + 1);
+    }
   imageStore(out_light, pixel, vec4(light, transmittance));
-  imageStore(out_info, pixel, vec4(mean_m, tau, weight_sum > 0.0 ? 1.0 : 0.0, float(steps)));
+  imageStore(out_info, pixel, vec4(mean_m, tau, dominant, float(steps)));
 }

@@ -14,6 +14,7 @@ layout(set = 0, binding = 3, rgba32f) uniform writeonly image2D out_radiance;
 layout(push_constant, scalar) uniform PushBlock {
   float ground_albedo;
   float coverage;
+  float sky_light_scale, ground_bounce_scale;
 } push;
 
 void main() {
@@ -32,7 +33,7 @@ void main() {
     vec3 key_lux = key_illuminance(f, height_m, mu_key);
     vec3 sky_lux = sky_illuminance(f, height_m, up) + f.night_illuminance;
     vec3 ground_lux = push.ground_albedo * (key_lux * max(mu_key, 0.0) * (1.0 - 0.7 * push.coverage) + sky_lux);
-    radiance = light.x * key_lux + light.y * sky_lux + light.z * ground_lux;
+    radiance = light.x * key_lux + light.y * push.sky_light_scale * sky_lux + light.z * push.ground_bounce_scale * ground_lux;
     vec3 air_transmittance;
     vec3 air = aerial_perspective(f, dir, info.x, 0.0, air_transmittance);
     radiance = radiance * air_transmittance + air * (1.0 - light.a);

@@ -6,9 +6,9 @@ layout(local_size_x = 16, local_size_y = 16) in;  // a tile
 layout(set = 0, binding = 0, scalar) uniform FrameBlock { FrameConstants frame_data; } frame;
 #define CLOUD_BINDING 1
 #include "clouds/cloud_shadow_march.glsl"
-layout(set = 0, binding = 10) uniform sampler2D depth_m;
-layout(set = 0, binding = 11, r32f) uniform writeonly image2D sun_visibility;
-#define PIXEL_TILES_BINDING 12
+layout(set = 0, binding = 20) uniform sampler2D depth_m;
+layout(set = 0, binding = 21, r32f) uniform writeonly image2D sun_visibility;
+#define PIXEL_TILES_BINDING 22
 #include "common/pixel_tiles.glsl"
 void main() {
   ivec2 pixel = ivec2(tile_pixel());

@@ -9,19 +9,30 @@ namespace nepho {
 
 namespace {
 struct ShadePush {
-  float ground_albedo, coverage;
+  float ground_albedo, coverage, sky_light_scale, ground_bounce_scale;
 };
+/// Share of the sky that is covered, for the light that reaches the ground between clouds.
+constexpr double kTypicalCoverage = 0.4;
 }  // namespace
 
-CloudMarchPass::CloudMarchPass(gpu::Device& device, uint32_t spectral_groups)
-    : march_(device, {.name = "clouds.march", .spirv = cloud_march_comp}),
+CloudMarchPass::CloudMarchPass(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups)
+    : device_(device),
+      clouds_(clouds),
       shade_(device, {.name = "clouds.shade", .spirv = cloud_shade_comp, .constants = {spectral_groups}}),
       clear_(device, {.name = "clouds.clear", .spirv = cloud_clear_comp}) {}
 
-CloudMarchPass::Outputs CloudMarchPass::add(FrameGraph& graph, const FrameInfo& frame, const CloudParams& params,
-                                            const Inputs& in) const {
+const gpu::ComputePipeline& CloudMarchPass::march(uint32_t phases) const {
+  gpu::ComputePipeline& pipeline = march_[phases - 1];
+  if (!pipeline)
+    pipeline = gpu::ComputePipeline(
+        device_, {.name = "clouds.march", .spirv = cloud_march_comp, .constants = clouds_.specialisation(phases)});
+  return pipeline;
+}
+
+CloudMarchPass::Outputs CloudMarchPass::add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in) const {
   const Outputs out{.radiance = graph.create("clouds.radiance", {.extent = frame.extent, .format = Format::rgba32f}),
                     .info = graph.create("clouds.info", {.extent = frame.extent, .format = Format::rgba32f})};
+  const CloudParams& params = clouds_.params();
   if (draws_nothing(params)) {
     graph.pass("clouds.clear")
         .write("out_radiance", out.radiance)
@@ -32,19 +43,25 @@ CloudMarchPass::Outputs CloudMarchPass::add(FrameGraph& graph, const FrameInfo& 
     return out;
   }
   const ImageRef light = graph.create("clouds.light", {.extent = frame.extent, .format = Format::rgba32f});
-  FrameGraph::PassBuilder march = graph.pass("clouds.march");
-  march.uniform("frame", frame.buffer).read("depth_m", in.depth_m);
-  bind_density(march, in.density);
-  march.write("out_light", light).write("out_info", out.info).record([this, extent = frame.extent](gpu::Commands& cmd) {
-    cmd.bind(march_).dispatch_threads(extent.width, extent.height);
-  });
+  FrameGraph::PassBuilder pass = graph.pass("clouds.march");
+  pass.uniform("frame", frame.buffer)
+      .read("depth_m", in.depth_m)
+      .sample("cloud_blue", in.density.noise.blue, Sampler::nearest_clamp);
+  bind_density(pass, in.density);
+  const gpu::ComputePipeline& pipeline = march(clouds_.phases_at(frame.time_s));
+  pass.write("out_light", light)
+      .write("out_info", out.info)
+      .record([&pipeline, extent = frame.extent](gpu::Commands& cmd) {
+        cmd.bind(pipeline).dispatch_threads(extent.width, extent.height);
+      });
   FrameGraph::PassBuilder shade = graph.pass("clouds.shade");
   shade.uniform("frame", frame.buffer)
       .sample("light_tex", light, Sampler::nearest_clamp)
       .sample("info_tex", out.info, Sampler::nearest_clamp)
       .write("out_radiance", out.radiance);
   AtmosphereTables::bind(shade, in.atmosphere);
-  const ShadePush push{kGroundAlbedo, static_cast<float>(params.coverage)};
+  const ShadePush push{kGroundAlbedo, static_cast<float>(params.coverage.value_or(kTypicalCoverage)),
+                       static_cast<float>(params.sky_light_scale), static_cast<float>(params.ground_bounce_scale)};
   shade.record([this, push, extent = frame.extent](gpu::Commands& cmd) {
     cmd.bind(shade_).push(push).dispatch_threads(extent.width, extent.height);
   });

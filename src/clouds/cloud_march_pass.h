@@ -1,13 +1,16 @@
 #pragma once
+#include <array>
+#include <memory>
+
 #include "atmosphere/atmosphere_tables.h"
 #include "clouds/cloud_density.h"
 #include "gpu/pipeline.h"
 
 namespace nepho {
 
-/// Marches the cloud layer for every pixel (shaders/clouds/cloud_march.comp, docs/clouds.md), then lights what it found
+/// Marches the cloud layers for every pixel (shaders/clouds/cloud_march.comp, docs/clouds.md), then lights what it found
 /// (cloud_shade.comp).
-/// Reads the distance to the surface, the atmosphere's tables, the weather map and the noise volumes.
+/// Reads the distance to the surface, the atmosphere's tables, the weather maps and the noise volumes.
 /// Writes luminance + transmittance and per-pixel facts. With nothing to draw it only clears its outputs.
 class CloudMarchPass {
  public:
@@ -21,15 +24,19 @@ class CloudMarchPass {
     /// transmittance. The picture is rgb + a * background, where the background has its own aerial perspective.
     ImageRef radiance;
     /// rgba32f: contribution-weighted depth, m (1e10: none); optical depth along the ray, up to about 16;
-    /// dominant layer (0 none, 1..4); march steps.
+    /// dominant layer (0 none, 1..4: its place in CloudParams::layers); march steps.
     ImageRef info;
   };
-  /// `spectral_groups`: AtmosphereTables::spectral_groups() of the tables that add() gets.
-  CloudMarchPass(gpu::Device& device, uint32_t spectral_groups);
-  Outputs add(FrameGraph& graph, const FrameInfo& frame, const CloudParams& params, const Inputs& in) const;
+  /// `clouds` must outlive the pass. `spectral_groups`: AtmosphereTables::spectral_groups() of the tables that add() gets.
+  CloudMarchPass(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups);
+  Outputs add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in) const;
 
  private:
-  gpu::ComputePipeline march_, shade_, clear_;
+  const gpu::ComputePipeline& march(uint32_t phases) const;
+  gpu::Device& device_;
+  const Clouds& clouds_;
+  gpu::ComputePipeline shade_, clear_;
+  mutable std::array<gpu::ComputePipeline, 2> march_;  ///< by phases - 1, made when a frame needs it
 };
 
 }  // namespace nepho

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "clouds/cloud_density.h"
+#include "geo/geodetic.h"
 #include "gpu/graph_executor.h"
 #include "gpu/pipeline.h"
 

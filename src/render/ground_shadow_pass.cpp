@@ -5,9 +5,6 @@
 
 namespace nepho {
 
-GroundShadowPass::GroundShadowPass(gpu::Device& device)
-    : pipeline_(device, {.name = "ground_shadow", .spirv = ground_shadow_comp}) {}
-
 ImageRef GroundShadowPass::add(FrameGraph& graph, const FrameInfo& frame, const Terrain::Outputs& terrain,
                                const CloudDensityRefs& density) const {
   const ImageRef out = graph.create("sun_visibility", {.extent = frame.extent, .format = Format::r32f});
@@ -18,7 +15,12 @@ ImageRef GroundShadowPass::add(FrameGraph& graph, const FrameInfo& frame, const 
       .indirect(terrain.surface_tiles)
       .write("sun_visibility", out);
   bind_density(pass, density);
-  pass.record([this](gpu::Commands& cmd) { cmd.bind(pipeline_).dispatch_indirect(); });
+  const uint32_t phases = clouds_.phases_at(frame.time_s);
+  gpu::ComputePipeline& pipeline = pipeline_[phases - 1];
+  if (!pipeline)
+    pipeline = gpu::ComputePipeline(
+        device_, {.name = "ground_shadow", .spirv = ground_shadow_comp, .constants = clouds_.specialisation(phases)});
+  pass.record([&pipeline](gpu::Commands& cmd) { cmd.bind(pipeline).dispatch_indirect(); });
   return out;
 }
 

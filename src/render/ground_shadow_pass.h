@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+
 #include "clouds/cloud_density.h"
 #include "gpu/frame_info.h"
 #include "gpu/pipeline.h"
@@ -10,12 +12,15 @@ namespace nepho {
 /// Reads the surface's depth and the cloud density. Writes the share of sunlight that arrives, r32f.
 class GroundShadowPass {
  public:
-  explicit GroundShadowPass(gpu::Device& device);
+  /// `clouds` must outlive the pass.
+  GroundShadowPass(gpu::Device& device, const Clouds& clouds) : device_(device), clouds_(clouds) {}
   ImageRef add(FrameGraph& graph, const FrameInfo& frame, const Terrain::Outputs& terrain,
                const CloudDensityRefs& density) const;
 
  private:
-  gpu::ComputePipeline pipeline_;
+  gpu::Device& device_;
+  const Clouds& clouds_;
+  mutable std::array<gpu::ComputePipeline, 2> pipeline_;  ///< by phases - 1, made when a frame needs it
 };
 
 }  // namespace nepho

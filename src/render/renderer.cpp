@@ -17,7 +17,6 @@
 #include "render/ground_shadow_pass.h"
 #include "render/output_layers.h"
 #include "render/render_shared.h"
-#include "weather/weather_map.h"
 
 namespace nepho {
 
@@ -39,8 +38,8 @@ std::vector<float> floats_from_half(const std::vector<uint16_t>& halves) {
 }  // namespace
 
 struct Renderer::Parts {
-  Parts(gpu::Device& device, TerrainSources sources, const SkySources& sky_sources, const Scene& scene,
-        RenderTimings& timings)
+  Parts(gpu::Device& device, TerrainSources sources, const SkySources& sky_sources, const WeatherSources& weather,
+        const Scene& scene, RenderTimings& timings)
       : executor(device),
         terrain(device, std::move(sources), scene.terrain),
         night_sky(device, sky_sources),
@@ -53,18 +52,15 @@ struct Renderer::Parts {
     timings.atmosphere_cached = atmosphere->came_from_cache();
     start = Clock::now();
     if (!draws_nothing(scene.clouds))
-      clouds = std::make_unique<Clouds>(device, scene.clouds, atmosphere->spectral_groups());
+      clouds = std::make_unique<CloudParts>(device, scene.clouds, weather, atmosphere->spectral_groups());
     timings.clouds_ms = ms_since(start);
   }
 
   /// Absent under a clear sky, which then costs nothing.
-  struct Clouds {
-    Clouds(gpu::Device& device, const CloudParams& params, uint32_t spectral_groups)
-        : noise(device), weather(device), march(device, spectral_groups), shadow(device) {
-      weather.update({.coverage = params.coverage, .contrast = params.weather_contrast, .seed = params.weather_seed});
-    }
-    CloudNoise noise;
-    WeatherMap weather;
+  struct CloudParts {
+    CloudParts(gpu::Device& device, const CloudParams& params, const WeatherSources& sources, uint32_t spectral_groups)
+        : clouds(device, params, sources), march(device, clouds, spectral_groups), shadow(device, clouds) {}
+    Clouds clouds;
     CloudMarchPass march;
     GroundShadowPass shadow;
   };
@@ -74,7 +70,7 @@ struct Renderer::Parts {
   NightSky night_sky;
   std::unique_ptr<AtmosphereTables> atmosphere;
   std::unique_ptr<AtmosphereTables> next_atmosphere;  ///< being computed, see Renderer::set_atmosphere
-  std::unique_ptr<Clouds> clouds;
+  std::unique_ptr<CloudParts> clouds;
   BackgroundPass background;
   CompositePass composite;
   ExposurePasses exposure;
@@ -107,10 +103,11 @@ struct FrameOutputs {
 
 }  // namespace
 
-Renderer::Renderer(gpu::Device& device, TerrainSources sources, const Scene& scene, const SkySources& sky)
+Renderer::Renderer(gpu::Device& device, TerrainSources sources, const Scene& scene, const SkySources& sky,
+                   const WeatherSources& weather)
     : scene_(scene), device_(device) {
   const auto start = Clock::now();
-  parts_ = std::make_unique<Parts>(device, std::move(sources), sky, scene, timings_);
+  parts_ = std::make_unique<Parts>(device, std::move(sources), sky, weather, scene, timings_);
   const UtcInstant utc = parse_utc(scene.time);
   parts_->time_s = utc.seconds_since_2000();
   parts_->sky = sky_bodies_at(utc);
@@ -187,14 +184,14 @@ RenderResult Renderer::render(const RenderRequest& request) {
                                       .sun_visibility = {}};
     CloudDensityRefs density;
     if (p.clouds) {
-      density = import_cloud_density(graph, frame, scene_.clouds, p.clouds->noise, p.clouds->weather);
+      density = import_cloud_density(graph, frame, p.clouds->clouds);
       background.sun_visibility = p.clouds->shadow.add(graph, frame, out.terrain, density);
     }
     out.background = p.background.add(graph, frame, scene_.atmosphere, background);
     out.radiance = out.background;
     if (p.clouds) {
       const CloudMarchPass::Outputs marched = p.clouds->march.add(
-          graph, frame, scene_.clouds, {.depth_m = out.terrain.depth_m, .atmosphere = atmosphere, .density = density});
+          graph, frame, {.depth_m = out.terrain.depth_m, .atmosphere = atmosphere, .density = density});
       out.cloud = marched.radiance;
       out.cloud_info = marched.info;
       out.radiance = p.composite.add(graph, frame, out.background, out.cloud);

@@ -10,6 +10,7 @@
 #include "render/night_sky.h"
 #include "scene/scene.h"
 #include "terrain/terrain.h"
+#include "weather/weather_map.h"
 
 namespace nepho {
 
@@ -45,7 +46,8 @@ struct RenderResult {
 class Renderer {
  public:
   /// Throws Error for parameters out of range or when GPU memory is short.
-  Renderer(gpu::Device& device, TerrainSources sources, const Scene& scene, const SkySources& sky = {});
+  Renderer(gpu::Device& device, TerrainSources sources, const Scene& scene, const SkySources& sky = {},
+           const WeatherSources& weather = {});
   ~Renderer();
   /// The camera of the scene, placed on the drawn ground where its height depends on it.
   CameraPose pose() const;

@@ -58,8 +58,8 @@ struct NoiseTextureParams {
 
 /// The textures that give clouds their form.
 struct CloudNoiseParams {
-  NoiseTextureParams shape{.period_m = 6130.0, .displacement_m = 260.0};   ///< 128^3 Perlin-Worley
-  NoiseTextureParams detail{.period_m = 497.0, .displacement_m = 60.0};    ///< 32^3 Worley
+  NoiseTextureParams shape{.period_m = 6130.0, .displacement_m = 70.0};   ///< 128^3 Perlin-Worley
+  NoiseTextureParams detail{.period_m = 497.0, .displacement_m = 30.0};    ///< 32^3 Worley
   NoiseTextureParams turbulence{.period_m = 2390.0};                       ///< 64^3, a divergence-free vector
   std::string blue_noise_file;                                            ///< empty: the built-in one, 64 x 64 x 16
   bool operator==(const CloudNoiseParams&) const = default;
