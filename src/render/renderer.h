@@ -31,6 +31,7 @@ struct RenderRequest {
   bool display = true;           ///< make the 8-bit picture
   bool layers = true;            ///< make the float layers
   std::set<std::string> wanted;  ///< layer names; empty: all
+  std::string debug = {};        ///< a name of known_debug_views() instead of the picture; empty: the picture
   /// Scene time since the last picture, s, for the adaptation of automatic exposure; 0: a still, which does not adapt.
   double frame_interval_s = 0.0;
 };
