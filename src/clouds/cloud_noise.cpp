@@ -22,7 +22,7 @@
 namespace nepho {
 namespace {
 
-constexpr uint64_t kNoiseVersion = 4;  // of what the CPU does here; shaders are part of the key by themselves
+constexpr uint64_t kNoiseVersion = 5;  // of what the CPU does here; shaders are part of the key by themselves
 static_assert(sizeof(shared::NoiseTerm) == 80);
 
 using Planes = std::vector<std::vector<float>>;
@@ -143,6 +143,8 @@ class Generator {
     if (volume.vector) {
       auto curl = curl_of({planes[0], planes[1], planes[2]}, volume.size);
       for (size_t c = 0; c < 3; ++c) planes[c] = std::move(curl[c]);
+    } else {
+      decorrelate(planes);
     }
     return make_volume(volume, std::move(planes), volume.size, volume.name);
   }

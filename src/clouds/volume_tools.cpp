@@ -100,6 +100,19 @@ bool normalise_volume(std::vector<float>& values, bool gaussian) {
   return true;
 }
 
+void decorrelate(std::vector<std::vector<float>>& planes) {
+  for (size_t c = 0; c < planes.size(); ++c) {
+    normalise_volume(planes[c], false);
+    for (size_t d = 0; d < c; ++d) {
+      double product = 0.0;
+      for (size_t i = 0; i < planes[c].size(); ++i) product += static_cast<double>(planes[c][i]) * planes[d][i];
+      const auto common = static_cast<float>(product / static_cast<double>(planes[c].size()));
+      for (size_t i = 0; i < planes[c].size(); ++i) planes[c][i] -= common * planes[d][i];
+    }
+    normalise_volume(planes[c], false);
+  }
+}
+
 std::vector<float> half_volume(const std::vector<float>& values, uint32_t size) {
   if (size <= 1) return values;
   const uint32_t half = size / 2;
@@ -116,25 +129,53 @@ std::vector<float> half_volume(const std::vector<float>& values, uint32_t size) 
 }
 
 std::array<std::vector<float>, 3> curl_of(const std::array<std::vector<float>, 3>& potential, uint32_t size) {
-  const size_t stride[3] = {1, size, size_t{size} * size};
-  std::array<std::vector<float>, 3> curl;
-  double square = 0.0;
+  // Central difference along an axis, around the edges.
+  const auto derivative = [&](const std::vector<float>& of, size_t axis) {
+    const size_t stride = axis == 0 ? 1 : axis == 1 ? size : size_t{size} * size;
+    std::vector<float> result(of.size());
+    for (size_t i = 0; i < of.size(); ++i) {
+      const size_t at = i / stride % size, row = i - at * stride;
+      result[i] = of[row + (at + 1) % size * stride] - of[row + (at + size - 1) % size * stride];
+    }
+    return result;
+  };
+  // Component c is scale[b] d(potential b)/da - scale[a] d(potential a)/db.
+  struct Component {
+    size_t a, b;
+    std::vector<float> first, second;
+    double first2 = 0.0, second2 = 0.0, product = 0.0;  // means
+  };
+  std::vector<Component> components;
   for (size_t c = 0; c < 3; ++c) {
     const size_t a = (c + 1) % 3, b = (c + 2) % 3;
-    curl[c].resize(texels_of(size));
-    for (size_t i = 0; i < curl[c].size(); ++i) {
-      // Difference of `of` across texel i along `axis`, around the edges.
-      const auto across = [&](const std::vector<float>& of, size_t axis) {
-        const size_t at = i / stride[axis] % size, row = i - at * stride[axis];
-        return of[row + (at + 1) % size * stride[axis]] - of[row + (at + size - 1) % size * stride[axis]];
-      };
-      curl[c][i] = across(potential[b], a) - across(potential[a], b);
-      square += static_cast<double>(curl[c][i]) * curl[c][i];
+    Component& k = components.emplace_back(Component{a, b, derivative(potential[b], a), derivative(potential[a], b)});
+    for (size_t i = 0; i < k.first.size(); ++i) {
+      k.first2 += double{k.first[i]} * k.first[i] / static_cast<double>(k.first.size());
+      k.second2 += double{k.second[i]} * k.second[i] / static_cast<double>(k.first.size());
+      k.product += double{k.first[i]} * k.second[i] / static_cast<double>(k.first.size());
     }
   }
-  const double scale = std::sqrt(3.0 * static_cast<double>(texels_of(size)) / std::max(square, 1e-30));
-  for (std::vector<float>& component : curl)
-    for (float& v : component) v = static_cast<float>(v * scale);
+  // Scales of the potentials that give every component the variance 1: a component by itself could not be scaled
+  // without making a divergence. Variances are nearly sums of two squares of scales; repeated until they are 1.
+  double square[3] = {1.0, 1.0, 1.0};
+  for (int round = 0; round < 30; ++round) {
+    double excess[3];
+    for (size_t c = 0; c < 3; ++c) {
+      const Component& k = components[c];
+      const double variance =
+          square[k.b] * k.first2 + square[k.a] * k.second2 - 2.0 * std::sqrt(square[k.a] * square[k.b]) * k.product;
+      excess[c] = 1.0 / std::max(variance, 1e-30);
+    }
+    const double sum = excess[0] + excess[1] + excess[2];
+    for (size_t c = 0; c < 3; ++c) square[c] *= std::max(sum - 2.0 * excess[c], 0.1 * sum);
+  }
+  std::array<std::vector<float>, 3> curl;
+  for (size_t c = 0; c < 3; ++c) {
+    const Component& k = components[c];
+    const double scale_a = std::sqrt(square[k.a]), scale_b = std::sqrt(square[k.b]);
+    for (size_t i = 0; i < k.first.size(); ++i)
+      curl[c].push_back(static_cast<float>(scale_b * k.first[i] - scale_a * k.second[i]));
+  }
   return curl;
 }
 

@@ -13,11 +13,14 @@ double probit(double share);
 /// 2018), equal values sharing their mean rank. False, and values untouched, when they are all the same.
 bool normalise_volume(std::vector<float>& values, bool gaussian);
 
+/// Takes out of every plane what it has in common with those before it: noise of few cycles is alike by chance.
+void decorrelate(std::vector<std::vector<float>>& planes);
+
 /// The next mip of a cubic volume of `size` texels a side (x fastest): means of 2 x 2 x 2.
 std::vector<float> half_volume(const std::vector<float>& values, uint32_t size);
 
 /// Curl of a periodic vector potential by central differences, so that central differences of the result have no
-/// divergence; brought to variance 1 together (each component, where the potential's own are alike, to some percent).
+/// divergence. The potential's components are scaled until every one of the curl's has variance 1.
 std::array<std::vector<float>, 3> curl_of(const std::array<std::vector<float>, 3>& potential, uint32_t size);
 
 /// A cubic volume as texels with all its mips, and what they keep of the variance.
