@@ -6,9 +6,9 @@
 #include <glm/geometric.hpp>
 
 #include "base/log.h"
+#include "base/parallel.h"
 #include "common/pixel_tiles.h"
 #include "gpu/commands.h"
-#include "terrain/parallel.h"
 #include "terrain/terrain.frag.h"
 #include "terrain/terrain.vert.h"
 #include "terrain/terrain_classify.comp.h"

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <glm/gtc/packing.hpp>
+#include <limits>
 #include <numbers>
 
-#include "terrain/parallel.h"
+#include "base/parallel.h"
 #include "terrain/terrain_shared.h"
 
 namespace nepho {
@@ -69,8 +69,9 @@ double TileBuilder::unseen_relief_m(const TileId& tile) const {
 }
 
 double TileBuilder::least_error_m(const TileId& tile) const {
-  // From far out a mesh cell may sink kilometres below the ellipsoid within a pixel. The picture's shape would not mind,
-  // but its light would: the lowest kilometre of the air is the densest, and the sea would show the mesh as a grid of dots.
+  // From far out a mesh cell may sink kilometres below the ellipsoid within a pixel. The picture's shape would not
+  // mind, but its light would: the lowest kilometre of the air is the densest, and the sea would show the mesh as a
+  // grid of dots.
   if (sagitta_m(tile, ellipsoid_) > kDeepestSagitta_m) return std::numeric_limits<double>::infinity();
   // Twice the sagitta: silhouettes keep to half a pixel.
   double error = unseen_relief_m(tile) + 2.0 * sagitta_m(tile, ellipsoid_);
