@@ -50,6 +50,10 @@ LonLatGrid::LonLatGrid(const Raster& raster, uint32_t reduction, const std::func
   reaches_north_ = wraps_ && north_deg_ > 90.0 - slack;
   reaches_south_ = wraps_ && info.bounds.south_deg < -90.0 + slack;
 
+  // A row on the pole itself is a small disc rather than a point.
+  const double least = std::sin(rad_from_deg(lat_step_deg_ / 8.0));
+  for (uint32_t row = 0; row < height_; ++row)
+    cos_lat_.push_back(std::max(std::cos(rad_from_deg(row_lat_deg(row))), least));
   values_.resize(size_t{width_} * height_ * channels_);
   state_.resize(size_t{width_} * height_);
   constexpr uint32_t kSide = Raster::kBlockSize;
@@ -198,7 +202,7 @@ void LonLatGrid::soften_edges(double width_deg) {
     for (uint32_t y = 0; y < height_; ++y) inside[size_t{y} * width_ + x] = line[y];
   }
   for (uint32_t y = 0; y < height_; ++y) {
-    const double columns = 0.5 * width_deg / (lon_step_deg_ * std::max(0.05, std::cos(rad_from_deg(row_lat_deg(y)))));
+    const double columns = 0.5 * width_deg / (lon_step_deg_ * std::max(0.05, cos_lat_[y]));
     line.assign(inside.begin() + std::ptrdiff_t(y) * width_, inside.begin() + std::ptrdiff_t(y + 1) * width_);
     for (int pass = 0; pass < 2; ++pass) box(line, static_cast<size_t>(columns + 0.5), wraps_, 0.0f, 0.0f);
     for (uint32_t x = 0; x < width_; ++x) {
@@ -214,8 +218,7 @@ void LonLatGrid::add_row(uint32_t row, double row_weight, double lon_deg, double
   const double around = 360.0 / lon_step_deg_;  // pixels
   double x = std::fmod(lon_deg - west_deg_ + 1440.0, 360.0) / lon_step_deg_;
   if (!wraps_ && x > 0.5 * (span_columns_ + around)) x -= around;  // just west of the raster
-  const double cos_lat = std::max(std::cos(rad_from_deg(row_lat_deg(row))), 1e-9);
-  const double half = std::clamp(half_deg / (lon_step_deg_ * cos_lat), 1.0, std::max(1.0, 0.5 * span_columns_));
+  const double half = std::clamp(half_deg / (lon_step_deg_ * cos_lat_[row]), 1.0, std::max(1.0, 0.5 * span_columns_));
   const auto count = static_cast<int64_t>(width_);
   const auto first = static_cast<int64_t>(std::floor(x - half - 0.5)), last = static_cast<int64_t>(std::ceil(x + half));
   for (int64_t c = first; c <= last; ++c) {
@@ -239,33 +242,71 @@ void LonLatGrid::add_row(uint32_t row, double row_weight, double lon_deg, double
   }
 }
 
+/// Around a pole rows are circles: pixels count by their place in the plane that touches the sphere.
+double LonLatGrid::sample_polar(double lat_deg, double lon_deg, double half_deg, float* out) const {
+  const double half = rad_from_deg(std::max(half_deg, lat_step_deg_)), lat = rad_from_deg(lat_deg);
+  double sums[4] = {}, weight_data = 0.0, weight_all = 0.0;
+  std::vector<double> sin_lon(width_), cos_lon(width_);
+  for (uint32_t x = 0; x < width_; ++x) {
+    const double lon = rad_from_deg(west_deg_ + centre_of(x, width_, span_columns_) * lon_step_deg_ - lon_deg);
+    sin_lon[x] = std::sin(lon);
+    cos_lon[x] = std::cos(lon);
+  }
+  for (uint32_t row = 0; row < height_; ++row) {
+    if (std::abs(std::abs(row_lat_deg(row)) - std::abs(lat_deg)) > 1.5 * deg_from_rad(half) &&
+        90.0 - std::abs(row_lat_deg(row)) > 1.5 * deg_from_rad(half))
+      continue;
+    const double row_lat = rad_from_deg(row_lat_deg(row)), c = std::cos(row_lat), s = std::sin(row_lat);
+    if (s * lat < 0.0) continue;
+    for (uint32_t x = 0; x < width_; ++x) {
+      const double east = c * sin_lon[x], north = s * std::cos(lat) - c * cos_lon[x] * std::sin(lat);
+      const double weight = (1.0 - std::abs(east) / half) * (1.0 - std::abs(north) / half) * cos_lat_[row];
+      if (std::abs(east) >= half || std::abs(north) >= half) continue;
+      weight_all += weight;
+      const size_t i = size_t{row} * width_ + x;
+      if (state_[i] != kData) continue;
+      weight_data += weight;
+      for (uint32_t k = 0; k < channels_; ++k) sums[k] += weight * static_cast<double>(values_[i * channels_ + k]);
+    }
+  }
+  for (uint32_t k = 0; k < channels_; ++k)
+    out[k] = weight_data > 0.0 ? static_cast<float>(sums[k] / weight_data) : 0.0f;
+  return weight_all > 0.0 ? weight_data / weight_all : 0.0;
+}
+
+/// No pixel is near enough to count: most places of a regional raster.
+bool LonLatGrid::beyond_reach(double lat_deg, double lon_deg, double half_deg) const {
+  const double margin = std::max(half_deg, lat_step_deg_) + lat_step_deg_;
+  if (lat_deg > north_deg_ + margin || lat_deg < north_deg_ - span_rows_ * lat_step_deg_ - margin) return true;
+  if (wraps_) return false;
+  const double reach =
+      std::max(half_deg, lon_step_deg_) / std::max(0.02, std::cos(rad_from_deg(lat_deg))) + lon_step_deg_;
+  const double east = std::fmod(lon_deg - west_deg_ + 1440.0, 360.0);
+  return east > span_columns_ * lon_step_deg_ + reach && east < 360.0 - reach;
+}
+
 double LonLatGrid::sample(double lat_deg, double lon_deg, double half_deg, float* out) const {
+  if (beyond_reach(lat_deg, lon_deg, half_deg)) {
+    std::fill_n(out, channels_, 0.0f);
+    return 0.0;
+  }
+  if (90.0 - std::abs(lat_deg) < 8.0 * std::max(half_deg, lat_step_deg_) &&
+      (lat_deg > 0.0 ? reaches_north_ : reaches_south_))
+    return sample_polar(lat_deg, lon_deg, half_deg, out);
   const double y = (north_deg_ - lat_deg) / lat_step_deg_;
   const double half = std::max(1.0, half_deg / lat_step_deg_);
   double sums[6] = {};  // channels, weight with data, all weight
   double rows_inside = 0.0, rows_outside = 0.0;
-  // Rows that the tent reaches at `position`, or over a pole, where the longitude is the opposite one.
-  const auto add_rows = [&](double position, double lon) {
-    const auto first = static_cast<int64_t>(std::floor(position - half - 0.5));
-    const auto last = static_cast<int64_t>(std::ceil(position + half));
-    for (int64_t r = first; r <= last; ++r) {
-      const bool beyond = r < 0 || r >= static_cast<int64_t>(height_);
-      const double centre =
-          beyond ? static_cast<double>(r) + 0.5 : centre_of(static_cast<uint32_t>(r), height_, span_rows_);
-      const double weight = 1.0 - std::abs(centre - position) / half;
-      if (weight <= 0.0) continue;
-      if (!beyond) {
-        add_row(static_cast<uint32_t>(r), weight, lon, half_deg, sums);
-        rows_inside += weight;
-      } else if ((r < 0 && !reaches_north_) || (r >= 0 && !reaches_south_)) {
-        rows_outside += weight;
-      }
-    }
-  };
-  add_rows(y, lon_deg);
-  const double north_pole = (north_deg_ - 90.0) / lat_step_deg_, south_pole = (north_deg_ + 90.0) / lat_step_deg_;
-  if (reaches_north_ && y - half < north_pole) add_rows(2.0 * north_pole - y, lon_deg + 180.0);
-  if (reaches_south_ && y + half > south_pole) add_rows(2.0 * south_pole - y, lon_deg + 180.0);
+  const auto first = static_cast<int64_t>(std::floor(y - half - 0.5)), last = static_cast<int64_t>(std::ceil(y + half));
+  for (int64_t r = first; r <= last; ++r) {
+    const bool beyond = r < 0 || r >= static_cast<int64_t>(height_);
+    const double centre =
+        beyond ? static_cast<double>(r) + 0.5 : centre_of(static_cast<uint32_t>(r), height_, span_rows_);
+    const double weight = 1.0 - std::abs(centre - y) / half;
+    if (weight <= 0.0) continue;
+    (beyond ? rows_outside : rows_inside) += weight;
+    if (!beyond) add_row(static_cast<uint32_t>(r), weight, lon_deg, half_deg, sums);
+  }
   for (uint32_t c = 0; c < channels_; ++c) out[c] = sums[4] > 0.0 ? static_cast<float>(sums[c] / sums[4]) : 0.0f;
   if (sums[5] <= 0.0) return 0.0;
   return sums[4] / sums[5] * rows_inside / (rows_inside + rows_outside);

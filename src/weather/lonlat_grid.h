@@ -42,13 +42,16 @@ class LonLatGrid {
   double row_lat_deg(uint32_t row) const { return north_deg_ - centre_of(row, height_, span_rows_) * lat_step_deg_; }
   static double centre_of(uint32_t i, uint32_t count, double span);
   void add_row(uint32_t row, double row_weight, double lon_deg, double half_deg, double* sums) const;
+  double sample_polar(double lat_deg, double lon_deg, double half_deg, float* out) const;
+  bool beyond_reach(double lat_deg, double lon_deg, double half_deg) const;
 
   uint32_t width_ = 0, height_ = 0, channels_ = 1;
   double west_deg_ = 0.0, north_deg_ = 0.0, lon_step_deg_ = 1.0, lat_step_deg_ = 1.0;
   double span_columns_ = 0.0, span_rows_ = 0.0;  // extent in pixels; the last of them may be a part of one
   bool wraps_ = false, reaches_north_ = false, reaches_south_ = false;
   std::vector<float> values_;
-  std::vector<uint8_t> state_;  // 0 a hole, 1 data, 2 outside
+  std::vector<double> cos_lat_;  // of rows
+  std::vector<uint8_t> state_;   // 0 a hole, 1 data, 2 outside
 };
 
 }  // namespace nepho

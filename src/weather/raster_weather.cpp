@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/parallel.h"
 #include "weather/cube_field.h"
 
 namespace nepho {
@@ -27,7 +28,8 @@ double texel_deg(double solid_angle) { return deg_from_rad(std::sqrt(solid_angle
 }  // namespace
 
 double split_cover(double total, uint32_t count) {
-  return 1.0 - std::pow(1.0 - std::clamp(total, 0.0, 1.0), 1.0 / std::max(1u, count));
+  if (count <= 1) return std::clamp(total, 0.0, 1.0);
+  return 1.0 - std::pow(1.0 - std::clamp(total, 0.0, 1.0), 1.0 / count);
 }
 
 RasterWeather::RasterWeather(const Raster& raster) {
@@ -53,42 +55,47 @@ RasterWeather::RasterWeather(const Raster& raster) {
   grid_->soften_edges(kSoftEdge_deg);
 }
 
-std::vector<float> RasterWeather::coverage(uint32_t face, uint32_t channels_used) const {
-  const std::vector<float> solid_angles = cube_texel_weights(size_);
-  std::vector<float> out(size_t{size_} * size_ * 4);
-  float v[4] = {};
-  for (uint32_t y = 0; y < size_; ++y)
-    for (uint32_t x = 0; x < size_; ++x) {
-      const LatLonDeg at = lat_lon_from_scaled(cube_texel_direction(size_, face, x, y));
-      const size_t i = size_t{y} * size_ + x;
-      const double inside = grid_->sample(at.lat_deg, at.lon_deg, texel_deg(static_cast<double>(solid_angles[i])), v);
-      for (uint32_t c = 0; c < 4; ++c) {
-        const double value = inside * static_cast<double>(v[grid_->channels() == 1 ? 0 : c]);
-        out[i * 4 + c] = static_cast<float>(grid_->channels() == 1 ? split_cover(value, channels_used) : value);
-      }
+std::vector<float> RasterWeather::face_texels(
+    uint32_t face, uint32_t size, const std::function<void(const double* cover, float* texel)>& make_texel) const {
+  std::vector<float> out(size_t{size} * size * 4);
+  parallel_for(size, [&](size_t row) {
+    const auto y = static_cast<uint32_t>(row);
+    for (uint32_t x = 0; x < size; ++x) {
+      const glm::vec2 uv((static_cast<float>(x) + 0.5f) / static_cast<float>(size),
+                         (static_cast<float>(y) + 0.5f) / static_cast<float>(size));
+      const double solid_angle =
+          static_cast<double>(shared::cube_solid_angle_density(uv)) / std::pow(static_cast<double>(size), 2.0);
+      const LatLonDeg at = lat_lon_from_scaled(cube_texel_direction(size, face, x, y));
+      float v[4] = {};
+      const double inside = grid_->sample(at.lat_deg, at.lon_deg, texel_deg(solid_angle), v);
+      double cover[4] = {};
+      for (uint32_t c = 0; c < grid_->channels(); ++c) cover[c] = inside * static_cast<double>(v[c]);
+      make_texel(cover, &out[(size_t{y} * size + x) * 4]);
     }
+  });
   return out;
 }
 
+std::vector<float> RasterWeather::coverage(uint32_t face, uint32_t channels_used) const {
+  const bool total = grid_->channels() == 1;
+  return face_texels(face, size_, [&](const double* cover, float* texel) {
+    if (total)
+      std::fill_n(texel, 4, static_cast<float>(split_cover(cover[0], channels_used)));
+    else
+      for (int c = 0; c < 4; ++c) texel[c] = static_cast<float>(cover[c]);
+  });
+}
+
 std::vector<float> RasterWeather::properties(uint32_t face) const {
-  const uint32_t n = properties_size_;
-  const std::vector<float> solid_angles = cube_texel_weights(n);
-  std::vector<float> out(size_t{n} * n * 4);
-  float v[4] = {};
-  for (uint32_t y = 0; y < n; ++y)
-    for (uint32_t x = 0; x < n; ++x) {
-      const LatLonDeg at = lat_lon_from_scaled(cube_texel_direction(n, face, x, y));
-      const size_t i = size_t{y} * n + x;
-      const double inside = grid_->sample(at.lat_deg, at.lon_deg, texel_deg(static_cast<double>(solid_angles[i])), v);
-      // Rain is a guess: under an all but full sky, or under convection where the raster tells it apart.
-      const double rain = grid_->channels() == 1 ? 0.5 * smooth_step(0.85, 1.0, inside * static_cast<double>(v[0]))
-                                                 : smooth_step(0.4, 1.0, inside * static_cast<double>(v[3]));
-      out[i * 4 + 0] = 0.5f;
-      out[i * 4 + 1] = 0.0f;
-      out[i * 4 + 2] = 1.0f;
-      out[i * 4 + 3] = static_cast<float>(rain);
-    }
-  return out;
+  const bool total = grid_->channels() == 1;
+  return face_texels(face, properties_size_, [&](const double* cover, float* texel) {
+    // Rain is a guess: under an all but full sky, or under convection where the raster tells it apart.
+    const double rain = total ? 0.5 * smooth_step(0.85, 1.0, cover[0]) : smooth_step(0.4, 1.0, cover[3]);
+    texel[0] = 0.5f;
+    texel[1] = 0.0f;
+    texel[2] = 1.0f;
+    texel[3] = static_cast<float>(rain);
+  });
 }
 
 }  // namespace nepho

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -25,6 +26,9 @@ class RasterWeather {
   std::vector<float> properties(uint32_t face) const;
 
  private:
+  /// The texels of a face, each made of the cover at its place (one number of total cover, or four).
+  std::vector<float> face_texels(uint32_t face, uint32_t size,
+                                 const std::function<void(const double* cover, float* texel)>& make_texel) const;
   std::optional<LonLatGrid> grid_;
   uint32_t size_ = 64, properties_size_ = 64;
 };

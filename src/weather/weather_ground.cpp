@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "weather/blob_cache.h"
 #include "weather/cube_field.h"
 #include "weather/lonlat_grid.h"
@@ -53,14 +54,17 @@ void add_raster(const Raster& raster, const std::vector<LatLonDeg>& places, std:
     for (float& height_m : block.values) height_m = std::max(height_m, 0.0f);
   };
   const LonLatGrid grid(raster, LonLatGrid::reduction_for(raster, kPixel_deg), clip);
-  for (size_t i = 0; i < places.size(); ++i) {
-    float height_m = 0.0f;
-    const double share = grid.sample(places[i].lat_deg, places[i].lon_deg, kHalfWidth_deg, &height_m);
-    if (share <= 0.0) continue;
-    const float geoid_m = texels[2 * i];
-    const float ground_m = ellipsoidal ? std::max(height_m, geoid_m) : height_m + geoid_m;
-    texels[2 * i + 1] += static_cast<float>(share) * (ground_m - texels[2 * i + 1]);
-  }
+  constexpr size_t kChunk = 1024;
+  parallel_for(places.size() / kChunk, [&](size_t chunk) {
+    for (size_t i = chunk * kChunk; i < (chunk + 1) * kChunk; ++i) {
+      float height_m = 0.0f;
+      const double share = grid.sample(places[i].lat_deg, places[i].lon_deg, kHalfWidth_deg, &height_m);
+      if (share <= 0.0) continue;
+      const float geoid_m = texels[2 * i];
+      const float ground_m = ellipsoidal ? std::max(height_m, geoid_m) : height_m + geoid_m;
+      texels[2 * i + 1] += static_cast<float>(share) * (ground_m - texels[2 * i + 1]);
+    }
+  });
 }
 
 }  // namespace

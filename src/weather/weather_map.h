@@ -12,10 +12,10 @@ namespace nepho {
 
 /// Rasters that a weather map is made from; opened by the apps.
 struct WeatherSources {
-  std::shared_ptr<Raster> weather;                 ///< RasterOpener::open_weather(), for source raster
-  std::shared_ptr<Raster> tile;                    ///< RasterOpener::open_tile(), for source tile
-  std::vector<std::shared_ptr<Raster>> elevation;  ///< as TerrainSources has them, for base_reference terrain
-  std::shared_ptr<const Geoid> geoid;              ///< may be null: then msl is the ellipsoid
+  std::shared_ptr<Raster> weather = {};                 ///< RasterOpener::open_weather(), for source raster
+  std::shared_ptr<Raster> tile = {};                    ///< RasterOpener::open_tile(), for source tile
+  std::vector<std::shared_ptr<Raster>> elevation = {};  ///< as TerrainSources has them, for base_reference terrain
+  std::shared_ptr<const Geoid> geoid = {};              ///< may be null: then msl is the ellipsoid
 };
 
 /// The global weather on cube spheres, looked up by normalize(S p) with seamless cube samplers (faces and axes are
