@@ -146,7 +146,7 @@ void LonLatGrid::fill_holes() {
       for (uint32_t x = 0; x < w; ++x) {
         const size_t i = size_t{y} * w + x;
         if (fine ? fine->weights[i] > 0.0f : state_[i] != kHole) continue;
-        const int64_t nx = x / 2 + (x % 2 ? 1 : -1), ny = y / 2 + (y % 2 ? 1 : -1);
+        const int64_t nx = int64_t{x / 2} + (x % 2 ? 1 : -1), ny = int64_t{y / 2} + (y % 2 ? 1 : -1);
         const auto cw = static_cast<int64_t>(coarse.width), ch = static_cast<int64_t>(coarse.height);
         const size_t xs[] = {x / 2, static_cast<size_t>(wraps_ ? (nx + cw) % cw : std::clamp<int64_t>(nx, 0, cw - 1))};
         const size_t ys[] = {y / 2, static_cast<size_t>(std::clamp<int64_t>(ny, 0, ch - 1))};
