@@ -18,6 +18,7 @@
 #include "geo/geoid.h"
 #include "gpu/device.h"
 #include "rasters/default_earth.h"
+#include "scene/cloud_params.h"
 #include "scene/places.h"
 
 namespace nepho {
@@ -71,6 +72,7 @@ Json json_info() {
                                {"why_not", device.why_not}});
   for (const auto& [name, path] : find_data()) info["data"][name] = path.empty() ? Json(nullptr) : Json(path);
   for (const Place& place : named_places()) info["places"][place.name] = place.title;
+  info["skies"] = cloud_sky_names();
   for (const auto& [name, version] : library_versions()) info["libraries"][name] = version;
   return info;
 }
@@ -88,6 +90,7 @@ void print_text(std::ostream& out) {
     out << fmt::format("  {:14} {}\n", name, path.empty() ? package_of(name) : path);
   out << "\nPlaces\n";
   for (const Place& place : named_places()) out << fmt::format("  {:14} {}\n", place.name, place.title);
+  out << fmt::format("\nSkies\n  {}\n", fmt::join(cloud_sky_names(), ", "));
   out << "\nLibraries\n";
   for (const auto& [name, version] : library_versions()) out << fmt::format("  {:14} {}\n", name, version);
 }
