@@ -12,6 +12,7 @@
 #include "clouds/blue_noise.h"
 #include "clouds/cloud_noise.comp.h"
 #include "clouds/cloud_noise_shared.h"
+#include "clouds/clouds_shared.h"
 #include "clouds/noise_file.h"
 #include "clouds/noise_recipe.h"
 #include "gpu/commands.h"
@@ -22,7 +23,7 @@
 namespace nepho {
 namespace {
 
-constexpr uint64_t kNoiseVersion = 5;  // of what the CPU does here; shaders are part of the key by themselves
+constexpr uint64_t kNoiseVersion = 6;  // of what the CPU does here; shaders are part of the key by themselves
 static_assert(sizeof(shared::NoiseTerm) == 80);
 
 using Planes = std::vector<std::vector<float>>;
@@ -184,11 +185,6 @@ std::vector<float> variances_of(const MippedVolume& volume, size_t channels, siz
   return variances;
 }
 
-float variance_left(float lod, float start, float per_lod) {
-  const float u = std::clamp((lod - start) * per_lod, 0.0f, 1.0f);
-  return 1.0f - u * u * (3.0f - 2.0f * u);
-}
-
 /// A small exhaustive fit of the largest error.
 CloudNoise::Fade fit_fade(const std::vector<float>& variances) {
   CloudNoise::Fade fade;
@@ -198,7 +194,8 @@ CloudNoise::Fade fit_fade(const std::vector<float>& variances) {
       const float start = 0.05f * static_cast<float>(s), per_lod = 1.0f / (0.05f * static_cast<float>(w));
       float error = 0.0f;
       for (size_t mip = 0; mip < variances.size(); ++mip)
-        error = std::max(error, std::abs(variance_left(static_cast<float>(mip), start, per_lod) - variances[mip]));
+        error =
+            std::max(error, std::abs(shared::variance_left(static_cast<float>(mip), start, per_lod) - variances[mip]));
       if (error < best) {
         best = error;
         fade = {start, per_lod};

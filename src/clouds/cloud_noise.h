@@ -27,7 +27,7 @@ class CloudNoise {
   Refs import_into(FrameGraph& graph) const;
 
   /// What is left of a noise's variance at a level of detail: shared::variance_left(lod, start, per_lod), fitted to its
-  /// mips.
+  /// mips, as they are read linearly between texels.
   struct Fade {
     float start = 0.0f, per_lod = 1.0f;
   };
@@ -35,7 +35,7 @@ class CloudNoise {
     Fade field, cells_round, cells_fractal, shape, detail;
   };
   const Fades& fades() const { return fades_; }
-  /// Measured variances, mip by mip, in the order of Fades.
+  /// Measured, mip by mip, in the order of Fades: shares of mip 0's.
   const std::array<std::vector<float>, 5>& variances() const { return variances_; }
   /// Texels a side, for texel sizes; of files as they are.
   uint32_t shape_size() const;

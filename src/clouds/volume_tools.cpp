@@ -179,6 +179,23 @@ std::array<std::vector<float>, 3> curl_of(const std::array<std::vector<float>, 3
   return curl;
 }
 
+double mean_square_between(const std::vector<float>& values, uint32_t size) {
+  // Over a stretch from a to b: the mean of ((1 - t) a + t b)^2 is (a^2 + a b + b^2) / 3. Summed over neighbours along
+  // an axis that is v times (prev + 4 v + next) / 6; axes one after the other.
+  std::vector<float> blurred = values, row(size);
+  for (size_t stride = 1; stride < values.size(); stride *= size)
+    for (size_t block = 0; block < values.size(); block += stride * size)
+      for (size_t first = block; first < block + stride; ++first) {
+        for (size_t k = 0; k < size; ++k) row[k] = blurred[first + k * stride];
+        for (size_t k = 0; k < size; ++k)
+          blurred[first + k * stride] =
+              (row[k == 0 ? size - 1 : k - 1] + 4.0f * row[k] + row[k + 1 == size ? 0 : k + 1]) / 6.0f;
+      }
+  double sum = 0.0;
+  for (size_t i = 0; i < values.size(); ++i) sum += static_cast<double>(values[i]) * blurred[i];
+  return sum / static_cast<double>(values.size());
+}
+
 size_t bytes_of_mips(uint32_t size, uint32_t bytes_per_texel) {
   size_t sum = 0;
   for (uint32_t n = size; n >= 1; n /= 2) sum += texels_of(n) * bytes_per_texel;
@@ -192,14 +209,12 @@ MippedVolume make_mips(std::vector<std::vector<float>> planes, uint32_t size, ui
   volume.size = size;
   volume.texels.resize(bytes_of_mips(size, static_cast<uint32_t>(channels) * bytes_per_channel));
   size_t offset = 0;
+  std::vector<double> finest(channels);
   for (uint32_t n = size; n >= 1; n /= 2) {
     for (size_t c = 0; c < channels; ++c) {
       NEPHO_ASSERT_OP(planes[c].size(), ==, texels_of(n));
-      double square = 0.0;
       for (size_t i = 0; i < texels_of(n); ++i) {
-        const float v = planes[c][i];
-        square += static_cast<double>(v) * v;
-        const float unit = std::clamp(0.5f + v / (2.0f * MippedVolume::kRange), 0.0f, 1.0f);
+        const float unit = std::clamp(0.5f + planes[c][i] / (2.0f * MippedVolume::kRange), 0.0f, 1.0f);
         std::byte* to = &volume.texels[offset + (i * channels + c) * bytes_per_channel];
         if (bytes_per_channel == 1) {
           *to = static_cast<std::byte>(static_cast<int>(unit * 255.0f + 0.5f));
@@ -208,7 +223,9 @@ MippedVolume make_mips(std::vector<std::vector<float>> planes, uint32_t size, ui
           std::memcpy(to, &word, 2);
         }
       }
-      volume.variances.push_back(static_cast<float>(square / static_cast<double>(texels_of(n))));
+      const double square = mean_square_between(planes[c], n);
+      if (n == size) finest[c] = std::max(square, 1e-30);
+      volume.variances.push_back(static_cast<float>(square / finest[c]));
       planes[c] = half_volume(planes[c], n);
     }
     offset += texels_of(n) * channels * bytes_per_channel;

@@ -25,14 +25,19 @@ std::array<std::vector<float>, 3> curl_of(const std::array<std::vector<float>, 3
 
 /// A cubic volume as texels with all its mips, and what they keep of the variance.
 struct MippedVolume {
-  uint32_t size = 0;                     ///< texels a side, a power of two
-  std::vector<std::byte> texels;         ///< mip after mip, channels interleaved; -kRange..kRange as 0..1
-  std::vector<float> variances;          ///< [mip * channels + channel]
+  uint32_t size = 0;              ///< texels a side, a power of two
+  std::vector<std::byte> texels;  ///< mip after mip, channels interleaved; -kRange..kRange as 0..1
+  /// What a mip keeps of mip 0's variance, both as they are read: linearly between texels, anywhere.
+  /// [mip * channels + channel]
+  std::vector<float> variances;
   static constexpr float kRange = 4.0f;  ///< standard deviations
 };
 
 /// Mips of planes (one per channel) of size^3 values each; 1 or 2 bytes a channel.
 MippedVolume make_mips(std::vector<std::vector<float>> planes, uint32_t size, uint32_t bytes_per_channel);
+
+/// Mean square of a periodic volume as it is read, linearly between texels: less than that of its texels.
+double mean_square_between(const std::vector<float>& values, uint32_t size);
 
 /// Bytes of all mips, of a volume of `size` texels a side.
 size_t bytes_of_mips(uint32_t size, uint32_t bytes_per_texel);
