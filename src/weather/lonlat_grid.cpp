@@ -220,26 +220,35 @@ void LonLatGrid::add_row(uint32_t row, double row_weight, double lon_deg, double
   if (!wraps_ && x > 0.5 * (span_columns_ + around)) x -= around;  // just west of the raster
   const double half = std::clamp(half_deg / (lon_step_deg_ * cos_lat_[row]), 1.0, std::max(1.0, 0.5 * span_columns_));
   const auto count = static_cast<int64_t>(width_);
-  const auto first = static_cast<int64_t>(std::floor(x - half - 0.5)), last = static_cast<int64_t>(std::ceil(x + half));
-  for (int64_t c = first; c <= last; ++c) {
-    int64_t column = c;
-    double turns = 0.0;
-    if (wraps_) {
-      turns = std::floor(static_cast<double>(c) / static_cast<double>(count));
-      column = c - static_cast<int64_t>(turns) * count;
-    }
-    const bool beyond = column < 0 || column >= count;
-    const double centre = beyond ? static_cast<double>(c) + 0.5
-                                 : centre_of(static_cast<uint32_t>(column), width_, span_columns_) + turns * around;
-    const double weight = (1.0 - std::abs(centre - x) / half) * row_weight;
-    if (weight <= 0.0) continue;
-    sums[5] += weight;
-    if (beyond) continue;
-    const size_t i = size_t{row} * width_ + static_cast<size_t>(column);
-    if (state_[i] != kData) continue;
-    sums[4] += weight;
-    for (uint32_t k = 0; k < channels_; ++k) sums[k] += weight * static_cast<double>(values_[i * channels_ + k]);
+  // One column more than the tent reaches: the last one of a raster may have its centre elsewhere.
+  const auto first = static_cast<int64_t>(std::ceil(x - half - 0.5)), last = static_cast<int64_t>(x + half + 0.5);
+  int64_t column = first;
+  double offset = 0.0;  // of the centres, by whole turns
+  if (wraps_) {
+    const double turns = std::floor(static_cast<double>(first) / static_cast<double>(count));
+    column -= static_cast<int64_t>(turns) * count;
+    offset = turns * around;
   }
+  const double per_half = row_weight / half, last_centre = centre_of(width_ - 1, width_, span_columns_);
+  const float* const values = &values_[size_t{row} * width_ * channels_];
+  const uint8_t* const state = &state_[size_t{row} * width_];
+  double data = 0.0, all = 0.0;
+  for (int64_t c = first; c <= last; ++c, ++column) {
+    if (wraps_ && column == count) {
+      column = 0;
+      offset += around;
+    }
+    const double centre = column == count - 1 ? last_centre : static_cast<double>(column) + 0.5;
+    const double weight = row_weight - std::abs(centre + offset - x) * per_half;
+    if (weight <= 0.0) continue;
+    all += weight;
+    if (column < 0 || column >= count || state[column] != kData) continue;
+    data += weight;
+    const float* const v = values + static_cast<size_t>(column) * channels_;
+    for (uint32_t k = 0; k < channels_; ++k) sums[k] += weight * static_cast<double>(v[k]);
+  }
+  sums[4] += data;
+  sums[5] += all;
 }
 
 /// Around a pole rows are circles: pixels count by their place in the plane that touches the sphere.
