@@ -15,6 +15,7 @@
 #include "weather/cube_field.h"
 #include "weather/weather_flow.comp.h"
 #include "weather/weather_generate.comp.h"
+#include "weather/weather_noise.comp.h"
 #include "weather/weather_shared.h"
 #include "weather/weather_trace.comp.h"
 
@@ -22,8 +23,9 @@ namespace nepho {
 
 namespace {
 
-constexpr uint64_t kGeneratorVersion = 2;
+constexpr uint64_t kGeneratorVersion = 3;
 constexpr uint32_t kFlowSize = 128;
+constexpr uint32_t kNoiseSize = 64;
 static_assert(sizeof(shared::WeatherGenerate) == shared::kWeatherVortices * 24 + shared::kWeatherDecks * 16 + 8);
 
 vec3 direction(double lat_deg, double lon_deg) {
@@ -80,15 +82,23 @@ shared::WeatherGenerate generator_parameters(uint32_t size, uint32_t seed) {
 GeneratedWeather run_generator(gpu::Device& device, uint32_t size, uint32_t seed) {
   const gpu::ComputePipeline flow_pipeline(device, {.name = "weather.flow", .spirv = weather_flow_comp});
   const gpu::ComputePipeline trace_pipeline(device, {.name = "weather.trace", .spirv = weather_trace_comp});
+  const gpu::ComputePipeline noise_pipeline(device, {.name = "weather.noise", .spirv = weather_noise_comp});
   const gpu::ComputePipeline generate_pipeline(device, {.name = "weather.generate", .spirv = weather_generate_comp});
   FrameGraph graph;
   const auto cube = [&](const char* name, uint32_t n) {
     return graph.create(name, {.extent = Extent2D{n, n}, .format = Format::rgba32f, .layers = 6, .cube = true});
   };
   const BufferRef parameters = graph.constants("weather.parameters", generator_parameters(size, seed));
-  const ImageRef flow = cube("weather.flow", kFlowSize), origin = cube("weather.origin", size);
-  const ImageRef recent = cube("weather.recent", size), raw = cube("weather.raw", size);
+  // Air has no finer structure than the flow that it came with, times what that draws out.
+  const uint32_t trace_size = std::max(size / 2, 64u);
+  const ImageRef flow = cube("weather.flow", kFlowSize), origin = cube("weather.origin", trace_size);
+  const ImageRef recent = cube("weather.recent", trace_size), raw = cube("weather.raw", size);
   const ImageRef properties = cube("weather.raw_properties", size);
+  const ImageRef noise = graph.create(
+      "weather.noise", {.extent = Extent3D{kNoiseSize, kNoiseSize, kNoiseSize}, .format = Format::rgba16f});
+  graph.pass("weather.noise").uniform("generate", parameters).write("out_noise", noise).record([&](gpu::Commands& cmd) {
+    cmd.bind(noise_pipeline).dispatch_threads(kNoiseSize, kNoiseSize, kNoiseSize);
+  });
   graph.pass("weather.flow").uniform("generate", parameters).write("out_flow", flow).record([&](gpu::Commands& cmd) {
     cmd.bind(flow_pipeline).dispatch_threads(kFlowSize, kFlowSize, 6);
   });
@@ -97,11 +107,12 @@ GeneratedWeather run_generator(gpu::Device& device, uint32_t size, uint32_t seed
       .sample("flow_tex", flow)
       .write("out_origin", origin)
       .write("out_recent", recent)
-      .record([&](gpu::Commands& cmd) { cmd.bind(trace_pipeline).dispatch_threads(size, size, 6); });
+      .record([&](gpu::Commands& cmd) { cmd.bind(trace_pipeline).dispatch_threads(trace_size, trace_size, 6); });
   graph.pass("weather.generate")
       .uniform("generate", parameters)
       .sample("origin_tex", origin)
       .sample("recent_tex", recent)
+      .sample("noise_tex", noise, Sampler::linear_repeat)
       .write("out_weather", raw)
       .write("out_properties", properties)
       .record([&](gpu::Commands& cmd) { cmd.bind(generate_pipeline).dispatch_threads(size, size, 6); });
