@@ -49,8 +49,18 @@ void check_side(const std::string& file, uint32_t side) {
     throw fail(ErrorKind::input, "{}: a cube of {} texels a side; 8, 16, 32, 64, 128 or 256 are read", file, side);
 }
 
+/// All bytes of a file that is not larger than any that is read.
+std::string read_bytes(const std::string& file) {
+  std::error_code unknown;  // a missing file is read_text_file()'s to tell
+  const uintmax_t size = std::filesystem::file_size(file, unknown);
+  if (!unknown && size > uintmax_t{kLargest} * kLargest * kLargest * 4)
+    throw fail(ErrorKind::input, "{}: {} bytes; noise textures of up to {} texels a side are read", file, size,
+               kLargest);
+  return read_text_file(file);
+}
+
 NoiseVolumeFile read_raw_volume(const std::string& file, uint32_t channels) {
-  const std::string bytes = read_text_file(file);
+  const std::string bytes = read_bytes(file);
   NoiseVolumeFile volume;
   uint32_t stored = channels;
   volume.size = bytes.size() % channels == 0 ? side_of(bytes.size() / channels) : 0;
@@ -118,7 +128,7 @@ NoiseVolumeFile read_noise_volume(const std::string& file, uint32_t channels) {
 std::vector<uint8_t> read_blue_noise(const std::string& file) {
   std::vector<float> values;
   if (is_raw(file)) {
-    const std::string bytes = read_text_file(file);
+    const std::string bytes = read_bytes(file);
     if (bytes.size() != size_t{kBlueSize} * kBlueSize * kBlueSlices)
       throw fail(ErrorKind::input, "{}: {} bytes; blue noise is {} slices of {} x {} bytes, {} in all", file,
                  bytes.size(), kBlueSlices, kBlueSize, kBlueSize, kBlueSize * kBlueSize * kBlueSlices);

@@ -34,6 +34,8 @@ void write_png(const std::filesystem::path& path, uint32_t width, uint32_t heigh
 
 namespace {
 
+constexpr size_t kMostBytes = size_t{1} << 30;
+
 struct PngReader {
   png_structp png = nullptr;
   png_infop info = nullptr;
@@ -65,6 +67,7 @@ struct PngReader {
     channels = png_get_channels(png, info);
     bits = png_get_bit_depth(png, info);
     const size_t row_bytes = png_get_rowbytes(png, info);
+    if (row_bytes * height > kMostBytes) png_error(png, "more than 1 GiB of pixels");
     bytes.resize(row_bytes * height);
     rows.resize(height);
     for (size_t y = 0; y < height; ++y) rows[y] = &bytes[y * row_bytes];

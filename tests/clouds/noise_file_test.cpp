@@ -32,7 +32,6 @@ std::vector<uint8_t> some_bytes(size_t count, uint32_t seed = 3) {
   return bytes;
 }
 
-/// A picture of `channels` planes whose pixel (x, y) is value(x, y, channel).
 void write_grey_png(const std::filesystem::path& path, uint32_t width, uint32_t height,
                     const std::vector<uint8_t>& grey) {
   png_image image{};
@@ -111,6 +110,13 @@ TEST_CASE("noise files: what is wrong with a file is said in one line") {
   CHECK(contains(volume_error(folder / "ten.bin"), "10 texels a side"));
   write_bytes(folder / "four.bin", some_bytes(64));
   CHECK(contains(volume_error(folder / "four.bin"), "4 texels a side"));
+  write_bytes(folder / "huge.raw", {});
+  std::filesystem::resize_file(folder / "huge.raw", size_t{300} * 300 * 300 * 4);
+  CHECK(contains(volume_error(folder / "huge.raw"), "up to 256"));
+  std::filesystem::create_directory(folder / "folder.bin");
+  volume_error(folder / "folder.bin");
+  std::filesystem::create_directory(folder / "folder.png");
+  volume_error(folder / "folder.png");
   write_bytes(folder / "grey.bin", some_bytes(512));
   CHECK(contains(volume_error(folder / "grey.bin", 3), "3 or 4 times a cube"));
   write_grey_png(folder / "square.png", 16, 16, some_bytes(256));
