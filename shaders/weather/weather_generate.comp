@@ -58,14 +58,14 @@ void main() {
   }
   old *= 0.77;
   streaks *= 0.70;
-  // Noises hardly drawn out: `wide` of continents, `young` of all scales, `clusters` of some 600 km, `grain` fine.
+  // Noises hardly drawn out: `wide` of continents, `young` of all scales, `clusters` of some 500 km, `grain` fine.
   float wide = 0.0, young = 0.0, clusters = 0.0, grain = 0.0, cells = 0.0;
   frequency = 1.9;
   for (int i = 0; i < 7; ++i) {
     vec4 n = octave(recent, frequency, recent_finest, i + 9);
     wide += n.x * exp(-0.9 * float(i * i));
     young += n.y * (i == 0 ? 0.45 : pow(0.80, float(i)));
-    clusters += n.z * exp(-0.16 * float((i - 2) * (i - 2)));
+    clusters += n.z * exp(-0.20 * (float(i) - 2.6) * (float(i) - 2.6));
     grain += n.x * smoothstep(2.5, 4.5, float(i));
     cells += n.w * (i == 4 ? 0.6 : i == 5 ? 0.4 : 0.0);
     frequency *= 2.03;
@@ -90,19 +90,20 @@ void main() {
 
   // The ITCZ wanders north of the equator; the western Pacific's warm pool widens it, and a branch leads from there
   // into the South Pacific.
-  float itcz = bump(lat, 6.0 + 2.0 * sin(lon * 2.0 + 0.6) + 2.5 * wide, 4.0);
+  float itcz = bump(lat, 6.0 + 2.0 * sin(lon * 2.0 + 0.6) + 2.5 * wide, 3.6);
   float warm_pool = exp(-2.2 * (1.0 - dot(dir, vec3(-0.81, 0.58, -0.03)))) * bump(lat, 0.0, 13.0);
   float branch = bump(dot(dir, vec3(0.249, 0.549, 0.798)), 0.0, 0.08) * smoothstep(0.1, 0.7, dot(dir, vec3(-0.897, -0.299, -0.319)));
   float africa = exp(-5.0 * (1.0 - dot(dir, vec3(0.93, 0.36, 0.0)))) * bump(lat, 1.0, 9.0);
   float amazon = exp(-6.0 * (1.0 - dot(dir, vec3(0.45, -0.89, -0.07)))) * bump(lat, -4.0, 10.0);
-  float tropics = max(max(itcz, 0.8 * warm_pool), max(0.7 * branch, max(0.8 * africa, 0.8 * amazon)));
+  float tropics = max(max(itcz, 0.75 * warm_pool), max(0.7 * branch, 0.7 * max(africa, amazon)));
   float dry = bump(a, 22.0, 10.0) * (1.0 - 0.75 * tropics);
   float storm = bump(a, 54.0, 15.0);
   float polar = smoothstep(66.0, 82.0, a);
 
   // Warm air climbing polewards, cold air sinking behind it.
   float outside = smoothstep(13.0, 30.0, a);
-  float rising = smoothstep(0.03, 0.17, poleward) * outside * (1.0 - 0.6 * polar);
+  float climb = poleward + 0.03 * old;
+  float rising = smoothstep(0.04, 0.22, climb) * outside * (1.0 - 0.6 * polar);
   float sinking = smoothstep(0.01, 0.13, -poleward) * outside;
   float cold_front = front * bump(poleward, 0.035, 0.055) * smoothstep(15.0, 27.0, a) * (1.0 - polar);
 
@@ -124,20 +125,20 @@ void main() {
     vec3 along = vec3(-d.y, d.x, 0.0) * inversesqrt(d.x * d.x + d.y * d.y);
     float x = dot(off, along);
     float y2 = dot(off, off) - x * x;
-    deck = max(deck, 1.0 - sqrt(0.3 * x * x + y2) / d.w + 0.20 * young + 0.18 * old);
+    deck = max(deck, 1.0 - sqrt(0.3 * x * x + y2) / d.w + 0.26 * young + 0.24 * old);
   }
-  deck = smoothstep(0.0, 0.6, deck);
+  deck = smoothstep(-0.1, 0.9, deck);
 
   float trades = bump(a, 14.0, 8.0) * (1.0 - tropics);
-  float low = 0.40 * young + 0.25 * old + (0.35 + 0.55 * trades + 0.5 * sinking) * (grain + 0.8 * (cells - 0.5)) +
-              deck * (1.7 + 0.5 * cells) + 0.5 * storm + 0.65 * sinking * storm + 0.45 * rising + 0.35 * polar - 0.7 * dry * (1.0 - deck) -
+  float low = 0.40 * young + 0.25 * old + (0.35 + 0.55 * trades + 0.5 * sinking) * (0.8 * grain + 0.7 * (cells - 0.5) + 0.35 * old) +
+              deck * (1.5 + 0.9 * (cells - 0.5) + 0.4 * streaks) + 0.5 * storm + 0.65 * sinking * storm + 0.45 * rising + 0.35 * polar - 0.7 * dry * (1.0 - deck) -
               0.2 * tropics + 0.2 * wide;
-  float middle = 0.42 * old + 0.35 * streaks + 0.40 * young + 0.15 * grain + rising * (0.75 + 0.9 * front) + 1.1 * cold_front - 0.9 * sinking -
+  float middle = 0.42 * old + 0.38 * streaks + 0.40 * young + 0.15 * grain + rising * (0.55 + 0.8 * front + 0.45 * streaks) + 1.1 * cold_front - 0.9 * sinking -
                  0.65 * dry + 0.40 * storm + 0.5 * tropics * (0.5 + 0.9 * clusters) + 2.2 * shield * (0.8 + 0.5 * streaks) - 3.0 * eye -
                  0.4 * deck;
-  float high = 0.35 * old + 0.60 * streaks + 0.25 * young + outside * 1.25 * smoothstep(0.0, 0.2, poleward) * (1.0 - 0.6 * polar) + 0.4 * cold_front -
+  float high = 0.35 * old + 0.60 * streaks + 0.25 * young + outside * (1.1 + 0.35 * streaks) * smoothstep(0.0, 0.24, climb) * (1.0 - 0.6 * polar) + 0.4 * cold_front -
                0.9 * sinking - 0.45 * dry + tropics * (0.35 + 0.9 * clusters) + 2.4 * shield - 3.0 * eye - 0.3 * polar;
-  float deep = tropics * (0.65 + 1.3 * clusters + 0.35 * young) + 0.30 * clusters * bump(a, 5.0, 18.0) + 0.22 * young + 0.20 * grain +
+  float deep = tropics * (0.55 + 1.5 * clusters + 0.4 * young) + 0.30 * clusters * bump(a, 5.0, 18.0) + 0.22 * young + 0.20 * grain +
                cold_front * (0.75 + 0.5 * streaks) - 0.8 * dry - 0.9 * smoothstep(46.0, 64.0, a) + 2.6 * shield * (0.7 + 0.5 * streaks) - 4.0 * eye;
 
   // Properties: type, base offset (m), density factor, precipitation.

@@ -23,7 +23,7 @@ namespace nepho {
 
 namespace {
 
-constexpr uint64_t kGeneratorVersion = 3;
+constexpr uint64_t kGeneratorVersion = 5;
 constexpr uint32_t kFlowSize = 128;
 constexpr uint32_t kNoiseSize = 64;
 static_assert(sizeof(shared::WeatherGenerate) == shared::kWeatherVortices * 24 + shared::kWeatherDecks * 16 + 8);
@@ -56,16 +56,17 @@ shared::WeatherGenerate generator_parameters(uint32_t size, uint32_t seed) {
     for (int i = 0; i < trains; ++i) {
       const double lon = first + (i + between(-0.28, 0.28)) * 360.0 / trains;
       const double lat = side * between(side > 0 ? 40.0 : 44.0, 63.0);
-      add(lat, lon, side * between(3.0, 8.5), between(0.055, 0.10));
+      add(lat, lon, side * between(3.5, 10.0), between(0.05, 0.095));
       if (i % 2 == 0)
         add(lat - side * between(8.0, 14.0), lon - between(14.0, 24.0), side * between(1.5, 3.5), between(0.035, 0.06));
       add(side * between(26.0, 37.0), lon + 180.0 / trains + between(-6.0, 6.0), -side * between(0.5, 1.1),
           between(0.14, 0.22));
     }
   }
-  for (int i = 0; i < 3; ++i)
-    add((i < 2 ? 1.0 : -1.0) * between(11.0, 21.0), between(0.0, 360.0), (i < 2 ? 1.0 : -1.0) * between(9.0, 14.0),
-        between(0.022, 0.034), true);
+  // Where the sea is warm: western Pacific, Atlantic and eastern Pacific, southern Indian Ocean and Coral Sea.
+  const double basins[3][3] = {{1.0, 122.0, 168.0}, {1.0, -112.0, -48.0}, {-1.0, 52.0, 168.0}};
+  for (const auto& [side, west, east] : basins)
+    add(side * between(11.0, 21.0), between(west, east), side * between(9.0, 14.0), between(0.022, 0.034), true);
   while (count < shared::kWeatherVortices) add(90.0, 0.0, 0.0, 1.0);
 
   // Off California, Peru, Namibia, the Canaries, western Australia, and the summer's Aleutian stratus.

@@ -140,6 +140,53 @@ TEST_CASE("gpu: weather has no step across cube edges, corners and poles at any 
   }
 }
 
+TEST_CASE("gpu: neighbouring texels across cube edges differ no more than those within faces") {
+  const CacheFolder cache;
+  GpuFixture gpu;
+  constexpr int n = 128;
+  WeatherMap map(gpu.device, n);
+  map.update(procedural(7), {});
+  const std::vector<std::byte> bytes = gpu.device.download(map.coverage());
+  const auto* texels = reinterpret_cast<const uint16_t*>(bytes.data());
+  for (size_t c = 0; c < 4; ++c) {
+    const auto value = [&](uint32_t face, int x, int y) {
+      return texels[((face * size_t{n} + static_cast<size_t>(y)) * n + static_cast<size_t>(x)) * 4 + c] / 65535.0;
+    };
+    /// The texel that holds a point of a face's plane, beyond its edge too.
+    const auto value_at = [&](uint32_t face, double u, double v) {
+      const CubePointD p = cube_from_direction(direction_from_cube(face, {u, v}));
+      const auto index = [](double t) { return std::clamp(static_cast<int>(t * n), 0, n - 1); };
+      return value(p.face, index(p.uv.x), index(p.uv.y));
+    };
+    std::vector<double> inside, across;
+    for (uint32_t face = 0; face < 6; ++face)
+      for (int i = 0; i < n; ++i)
+        for (int k = 0; k + 1 < n; ++k) {
+          if (i < 6 || i >= n - 6) {
+            inside.push_back(std::abs(value(face, k, i) - value(face, k + 1, i)));
+            inside.push_back(std::abs(value(face, i, k) - value(face, i, k + 1)));
+          }
+          if (k > 0) continue;
+          const double t = (i + 0.5) / n, out = 0.5 / n;
+          across.push_back(std::abs(value(face, 0, i) - value_at(face, -out, t)));
+          across.push_back(std::abs(value(face, n - 1, i) - value_at(face, 1.0 + out, t)));
+          across.push_back(std::abs(value(face, i, 0) - value_at(face, t, -out)));
+          across.push_back(std::abs(value(face, i, n - 1) - value_at(face, t, 1.0 + out)));
+        }
+    std::sort(inside.begin(), inside.end());
+    std::sort(across.begin(), across.end());
+    const auto part = [](const std::vector<double>& v, double q) {
+      return v[static_cast<size_t>(q * static_cast<double>(v.size() - 1))];
+    };
+    CAPTURE(c);
+    // Steps across an edge go to the nearest texel, up to half a texel off along the edge: a little more.
+    CHECK(part(across, 0.5) <= 1.25 * part(inside, 0.5) + 0.001);
+    CHECK(part(across, 0.99) <= 1.25 * part(inside, 0.99));
+    CHECK(part(across, 1.0) <= 1.5 * part(inside, 1.0));
+    CHECK(part(inside, 0.99) > 0.02);  // there is weather
+  }
+}
+
 TEST_CASE("gpu: the same seed gives the same weather, cached or not, another seed another") {
   const CacheFolder cache;
   GpuFixture gpu;

@@ -102,7 +102,7 @@ TEST_CASE("gpu: one band of total cover is split among the channels that layers 
   CHECK(std::abs(coverage_at(gpu, map, {{30, 40}})[0].a - 0.64f) < 2.0f / 65535.0f);
 }
 
-TEST_CASE("gpu: holes are filled from around them with one warning; nothing but holes is an error") {
+TEST_CASE("gpu: holes are filled from around them; nothing but holes is an error") {
   GpuFixture gpu;
   WeatherMap map(gpu.device, 64);
   const auto holes = [](double lat, double lon) {
@@ -123,10 +123,9 @@ TEST_CASE("gpu: holes are filled from around them with one warning; nothing but 
 TEST_CASE("gpu: outside of a regional raster the sky is clear, with a soft edge, across the antimeridian too") {
   GpuFixture gpu;
   WeatherMap map(gpu.device, 64);
-  map.update(raster_params(),
-             {.weather = make_field(200, 100, {170, -10, 190, 10}, [](double, double) { return 0.8; })});
+  map.update(raster_params(), {.weather = make_field(40, 20, {170, -10, 190, 10}, [](double, double) { return 0.8; })});
   const std::vector<glm::vec4> v =
-      coverage_at(gpu, map, {{0, 180}, {5, -175}, {0, 175}, {0, 169.8}, {10.2, 180}, {0, 0}, {0, -10}, {-90, 0}});
+      coverage_at(gpu, map, {{0, 180}, {5, -175}, {0, 175}, {0, 168.9}, {11.1, 180}, {0, 0}, {0, -10}, {-90, 0}});
   for (int i = 0; i < 3; ++i) CHECK(std::abs(v[static_cast<size_t>(i)].r - 0.8f) < 0.001f);
   for (size_t i = 3; i < v.size(); ++i) CHECK(v[i].r < 0.002f);
   // The edge: no step of more than a quarter within 0.1 degree.
@@ -237,35 +236,31 @@ TEST_CASE("gpu: later elevation lies over earlier, and ellipsoidal heights get n
   CHECK(v[0].r == 0.0f);
 }
 
-TEST_CASE("gpu: satellite pictures keep the mean that their rows weighted by area have") {
+TEST_CASE("gpu: a satellite picture keeps the mean that its rows weighted by area have") {
   GpuFixture gpu;
-  const auto opener = make_gdal_opener();
-  for (const char* name : {"satellite/nasa_cloud_combined_2048.jpg", "satellite/threeglobe_fair_clouds_4096.png"}) {
-    const std::string file = shared_data(name);
-    if (file.empty()) continue;
-    const std::shared_ptr<Raster> raster = opener->open_weather(file);
-    REQUIRE(raster->info().bands == 1);
-    const uint32_t k = raster->reductions() - 1;
-    const RasterBlock all = raster->read_block(k, 0, 0).take_or_throw(ErrorKind::input);
-    double sum = 0.0, weight = 0.0;
-    for (uint32_t y = 0; y < all.height; ++y) {
-      // The map's own measure of area, in scaled space: d sin(beta), tan beta = b/a tan phi.
-      const auto s = [&](double row) { return map_direction(90.0 - row * 180.0 / all.height, 0.0).z; };
-      const double area = s(y) - s(y + 1);
-      for (uint32_t x = 0; x < all.width; ++x) sum += area * static_cast<double>(all.values[size_t{y} * all.width + x]);
-      weight += area * all.width;
-    }
-    WeatherMap map(gpu.device, 64);
-    map.update(raster_params(), {.weather = raster});
-    const uint32_t mips = map.coverage().desc().mip_levels;
-    const std::vector<std::byte> last = gpu.device.download(map.coverage(), mips - 1);
-    double mean = 0.0;
-    for (size_t face = 0; face < 6; ++face)
-      mean += reinterpret_cast<const uint16_t*>(last.data())[face * 4] / 65535.0 / 6.0;
-    CAPTURE(name);
-    CHECK(std::abs(mean - sum / weight) < 0.002);
-    CHECK((mean > 0.05 && mean < 0.7));
+  const std::string file = shared_data("satellite/nasa_cloud_combined_2048.jpg");
+  if (file.empty()) return;
+  const std::shared_ptr<Raster> raster = make_gdal_opener()->open_weather(file);
+  REQUIRE(raster->info().bands == 1);
+  const uint32_t k = raster->reductions() - 1;
+  const RasterBlock all = raster->read_block(k, 0, 0).take_or_throw(ErrorKind::input);
+  double sum = 0.0, weight = 0.0;
+  for (uint32_t y = 0; y < all.height; ++y) {
+    // The map's own measure of area, in scaled space: d sin(beta), tan beta = b/a tan phi.
+    const auto s = [&](double row) { return map_direction(90.0 - row * 180.0 / all.height, 0.0).z; };
+    const double area = s(y) - s(y + 1);
+    for (uint32_t x = 0; x < all.width; ++x) sum += area * static_cast<double>(all.values[size_t{y} * all.width + x]);
+    weight += area * all.width;
   }
+  WeatherMap map(gpu.device, 64);
+  map.update(raster_params(), {.weather = raster});
+  const uint32_t mips = map.coverage().desc().mip_levels;
+  const std::vector<std::byte> last = gpu.device.download(map.coverage(), mips - 1);
+  double mean = 0.0;
+  for (size_t face = 0; face < 6; ++face)
+    mean += reinterpret_cast<const uint16_t*>(last.data())[face * 4] / 65535.0 / 6.0;
+  CHECK(std::abs(mean - sum / weight) < 0.002);
+  CHECK((mean > 0.05 && mean < 0.7));
 }
 
 }  // namespace
