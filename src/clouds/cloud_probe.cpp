@@ -98,7 +98,7 @@ std::vector<CloudProbe::Column> CloudProbe::column(const std::vector<Case>& case
   std::vector<Column> out;
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   if (clouds_.constants().layer_count == 0)
-    return std::vector<Column>(cases.size(), {.optical_depth = vec4(0.0f), .base_m = kNone, .top_m = kNone});
+    return std::vector<Column>(cases.size(), Column{.optical_depth = glm::vec4(0.0f), .base_m = kNone, .top_m = kNone});
   for (const ColumnAnswer& a : run<ColumnAnswer>(column_, cases)) {
     const bool clear = a.base_m > a.top_m;
     out.push_back({a.optical_depth, clear ? kNone : a.base_m, clear ? kNone : a.top_m});
