@@ -78,6 +78,10 @@ RenderOutputs RenderCommand::outputs(const Program& program) const {
       throw fail(ErrorKind::usage, "-o: '{}' does not end in .exr or .png", image);
     outputs.images.emplace_back(image);
   }
+  const bool any_png = std::any_of(images_.begin(), images_.end(),
+                                   [](const std::string& image) { return lower_extension(image) == ".png"; });
+  if (!debug_.empty() && !any_png)
+    throw fail(ErrorKind::usage, "--debug: false colours are written as .png only; give -o OUT.png");
   if (!aov_.empty()) outputs.layers = parse_layers(aov_, program.layer_names);
   outputs.debug = debug_;
   outputs.timings = timings_;

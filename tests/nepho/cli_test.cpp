@@ -254,6 +254,8 @@ TEST_CASE("--debug takes the name of a view; others are usage errors with the kn
   CHECK(render({}).outputs.debug.empty());
   CHECK(message_of(render({"--debug", "densty"}), 2) ==
         "--debug: 'densty' is not one of weather, density; did you mean 'density'?");
+  CHECK(message_of(run({"render", "--debug", "weather", "-o", "a.exr"}), 2) ==
+        "--debug: false colours are written as .png only; give -o OUT.png");
 }
 
 TEST_CASE("air that cannot be is a usage error that names the option") {
