@@ -90,7 +90,7 @@ void main() {
 
   // The ITCZ wanders north of the equator; the western Pacific's warm pool widens it, and a branch leads from there
   // into the South Pacific.
-  float itcz = bump(lat, 6.0 + 2.0 * sin(lon * 2.0 + 0.6) + 2.5 * wide, 3.6);
+  float itcz = bump(lat, 6.0 + 2.0 * sin(lon * 2.0 + 0.6) + 3.5 * wide + 0.8 * young, 3.6);
   float warm_pool = exp(-2.2 * (1.0 - dot(dir, vec3(-0.81, 0.58, -0.03)))) * bump(lat, 0.0, 13.0);
   float branch = bump(dot(dir, vec3(0.249, 0.549, 0.798)), 0.0, 0.08) * smoothstep(0.1, 0.7, dot(dir, vec3(-0.897, -0.299, -0.319)));
   float africa = exp(-5.0 * (1.0 - dot(dir, vec3(0.93, 0.36, 0.0)))) * bump(lat, 1.0, 9.0);
@@ -105,7 +105,7 @@ void main() {
   float climb = poleward + 0.03 * old;
   float rising = smoothstep(0.04, 0.22, climb) * outside * (1.0 - 0.6 * polar);
   float sinking = smoothstep(0.01, 0.13, -poleward) * outside;
-  float cold_front = front * bump(poleward, 0.035, 0.055) * smoothstep(15.0, 27.0, a) * (1.0 - polar);
+  float cold_front = front * bump(poleward, 0.035, 0.05 + e * max(contrast - 2.0, 0.0)) * smoothstep(15.0, 27.0, a) * (1.0 - polar);
 
   // Tropical cyclones: a shield with arms, and a small clear eye.
   float shield = 0.0, eye = 0.0;
@@ -142,12 +142,12 @@ void main() {
                cold_front * (0.75 + 0.5 * streaks) - 0.8 * dry - 0.9 * smoothstep(46.0, 64.0, a) + 2.6 * shield * (0.7 + 0.5 * streaks) - 4.0 * eye;
 
   // Properties: type, base offset (m), density factor, precipitation.
-  float type = 0.45 + 0.5 * tropics + 0.55 * cold_front + 0.25 * sinking * storm - 0.5 * deck - 0.45 * rising * (1.0 - front) - 0.35 * polar +
+  float type = 0.45 + tropics * (0.3 + 0.25 * clusters) + 0.55 * cold_front + 0.25 * sinking * storm - 0.5 * deck - 0.45 * rising * (1.0 - front) - 0.35 * polar +
                0.08 * young;
   float offset_m = 90.0 * wide + 45.0 * young - 120.0 * deck - 60.0 * storm + 60.0 * dry;
   float density = exp(0.13 * young + 0.06 * wide + 0.16 * deck - 0.10 * dry);
   float rain = smoothstep(1.0, 2.4, deep) + 0.6 * smoothstep(1.3, 2.8, middle) * (0.4 + 0.6 * front);
   imageStore(out_weather, ivec3(id), vec4(low, middle, high, deep));
   imageStore(out_properties, ivec3(id),
-             vec4(clamp(type, 0.0, 1.0), clamp(offset_m, -300.0, 300.0), clamp(density, 0.7, 1.4), clamp(rain, 0.0, 1.0)));
+             vec4(clamp(type, 0.0, 1.0), clamp(offset_m, -250.0, 250.0), clamp(density, 0.7, 1.4), clamp(rain, 0.0, 1.0)));
 }

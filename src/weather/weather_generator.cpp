@@ -23,7 +23,7 @@ namespace nepho {
 
 namespace {
 
-constexpr uint64_t kGeneratorVersion = 5;
+constexpr uint64_t kGeneratorVersion = 7;
 constexpr uint32_t kFlowSize = 128;
 constexpr uint32_t kNoiseSize = 64;
 static_assert(sizeof(shared::WeatherGenerate) == shared::kWeatherVortices * 24 + shared::kWeatherDecks * 16 + 8);
