@@ -34,6 +34,15 @@ bool asks_for_ground(const std::vector<CloudLayer>& layers) {
                      [](const CloudLayer& layer) { return is_drawn(layer) && layer.base_reference != "ellipsoid"; });
 }
 
+/// Parameters that only say where the maps are looked up leave them as they are.
+WeatherParams without_lookup(WeatherParams params) {
+  const WeatherParams plain;
+  params.drift_east_mps = plain.drift_east_mps;
+  params.tile_period_m = plain.tile_period_m;
+  params.tile_offset = plain.tile_offset;
+  return params;
+}
+
 gpu::Image one_color_cube(gpu::Device& device, const char* name, Format format, std::vector<float> texel) {
   return make_cube_image(device, name, format, 1, [&](uint32_t) { return texel; });
 }
@@ -72,8 +81,9 @@ WeatherMap::OffsetRange WeatherMap::base_offset_range(const std::string& base_re
 void WeatherMap::update(const CloudParams& params, const WeatherSources& sources) {
   const uint32_t channels = channels_used(params.layers);
   const bool ground = asks_for_ground(params.layers);
-  const bool first = !made_;
-  if (first) made_ = std::make_unique<Made>();
+  if (!made_) made_ = std::make_unique<Made>();
+  const bool first = !coverage_ || !ground_;  // the first time, or the first after one that threw
+  const WeatherParams weather = without_lookup(params.weather);
   const bool from_raster = !params.coverage && params.weather.source == "raster";
   const bool from_tile = !params.coverage && params.weather.source == "tile";
   if (from_raster && !sources.weather)
@@ -82,7 +92,7 @@ void WeatherMap::update(const CloudParams& params, const WeatherSources& sources
   if (from_tile && !sources.tile)
     throw fail(ErrorKind::usage, "clouds.weather.source: tile needs a file; give clouds.weather.file");
 
-  const bool same_source = params.coverage == made_->coverage && (params.coverage || params.weather == made_->weather);
+  const bool same_source = params.coverage == made_->coverage && (params.coverage || weather == made_->weather);
   const bool same_raster = !from_raster || (made_->sources.weather == sources.weather && made_->channels == channels);
   const bool same_tile = !from_tile || made_->sources.tile == sources.tile;
   const bool same_ground =
@@ -100,7 +110,7 @@ void WeatherMap::update(const CloudParams& params, const WeatherSources& sources
   }
   if (first || !same_ground) make_ground(sources, ground);
   made_->coverage = params.coverage;
-  made_->weather = params.weather;
+  made_->weather = weather;
   made_->channels = channels;
   made_->ground = ground;
   made_->sources = sources;

@@ -230,6 +230,11 @@ TEST_CASE("weather: a source that needs a file says so") {
     params.weather.source = source;
     CHECK(message_of([&] { map.update(params, {}); }, ErrorKind::usage).find("needs a file") != std::string::npos);
   }
+  // And leaves a map that the next parameters fill.
+  const CacheFolder cache;
+  map.update(procedural(7), {});
+  CHECK(map.coverage().desc().extent.width == 64);
+  CHECK(map.ground().desc().extent.width == 1);
 }
 
 }  // namespace
