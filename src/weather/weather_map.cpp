@@ -56,7 +56,8 @@ struct WeatherMap::Made {
   uint32_t channels = 1;
   bool ground = false;
   WeatherSources sources;
-  std::optional<GeneratedWeather> generated;  // of weather.seed
+  std::optional<GeneratedWeather> generated;
+  uint32_t generated_seed = 0;
 };
 
 WeatherMap::WeatherMap(gpu::Device& device, uint32_t procedural_size)
@@ -129,8 +130,10 @@ void WeatherMap::make_uniform(double coverage) {
 }
 
 void WeatherMap::make_procedural(const WeatherParams& params) {
-  if (!made_->generated || made_->weather.seed != params.seed)
+  if (!made_->generated || made_->generated_seed != params.seed) {
     made_->generated = generate_weather(device_, procedural_size_, params.seed);
+    made_->generated_seed = params.seed;
+  }
   const GeneratedWeather& weather = *made_->generated;
   const double means[4] = {params.mean_coverage_r, params.mean_coverage_g, params.mean_coverage_b,
                            params.mean_coverage_a};

@@ -197,6 +197,9 @@ TEST_CASE("gpu: the same seed gives the same weather, cached or not, another see
   CHECK(gpu.device.download(a.properties()) == gpu.device.download(b.properties()));
   b.update(procedural(2), {});
   CHECK(gpu.device.download(a.coverage()) != gpu.device.download(b.coverage()));
+  CloudParams uniform = procedural(1);
+  uniform.coverage = 0.5;
+  b.update(uniform, {});
   b.update(procedural(1), {});
   CHECK(gpu.device.download(a.coverage()) == gpu.device.download(b.coverage()));
   CHECK(a.texel_m() == 2.0 * 6378137.0 / 64);
