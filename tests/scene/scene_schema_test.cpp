@@ -2,9 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <filesystem>
-
-#include "base/files.h"
 #include "scene/cloud_params.h"
 
 using namespace nepho;
@@ -12,16 +9,6 @@ using namespace nepho;
 namespace {
 bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 }  // namespace
-
-TEST_CASE("docs/parameters.md and docs/scene.schema.json are what the table of parameters gives") {
-  const std::filesystem::path docs = data_dir().parent_path() / "docs";
-  if (!std::filesystem::exists(docs)) {
-    MESSAGE("no docs beside the data: a bundle of tests; not compared");
-    return;
-  }
-  CHECK(read_text_file(docs / "parameters.md") == parameters_markdown());
-  CHECK(read_text_file(docs / "scene.schema.json") == scene_schema());
-}
 
 TEST_CASE("vectors say what their components are: wavelengths, directions or axes") {
   const std::string text = parameters_markdown();
