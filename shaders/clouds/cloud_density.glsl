@@ -44,8 +44,7 @@ const float kFineWeight = 0.045;
 const float kEdge = 0.02;             // softness of a resolved edge
 const float kFieldBias = 0.7;         // fields fade a little before a pixel reaches their texel: no twinkle from orbit
 const float kNoiseRange = 4.0;        // textures hold -range..range standard deviations
-const float kRegionalBend_m = 12.0e3; // per standard deviation: how far one field bends the lattice of the next
-const float kMesoBend_m = 1.6e3;
+const float kMesoBend_m = 1.6e3;      // per standard deviation: how far one field bends the lattice of the next
 const float kPoleCalm = 0.0025;       // winds fade within some 300 km of the poles, where east has no direction
 
 vec3 cloud_uvw(uint domain, uint phase, vec3 p_cam) {
@@ -139,8 +138,7 @@ CloudColumn cloud_column(uint l, CloudWeather w, vec3 p_cam, vec3 up, float heig
   float regional_lod = max(log2_footprint + kFieldBias - CLOUD.domains[first + kRegional].log2_texel_m, 0.0);
   float meso_lod = max(log2_footprint + kFieldBias - CLOUD.domains[first + kMeso].log2_texel_m, 0.0);
   // One field bends the lattice of the next.
-  vec3 warp = cloud_read_field(kDomainWarp, foot, velocity, 0.0).xyz;
-  vec4 regional = cloud_read_field(first + kRegional, foot + kRegionalBend_m * warp, velocity, regional_lod);
+  vec4 regional = cloud_read_field(first + kRegional, foot, velocity, regional_lod);
   vec4 meso = cloud_read_field(first + kMeso, foot + kMesoBend_m * regional.yzw, velocity, meso_lod);
   float wr = CLOUD.layers[l].regional_weight, wm = CLOUD.layers[l].meso_weight;
   c.slow = wr * regional.x + wm * meso.x;

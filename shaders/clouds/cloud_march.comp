@@ -65,7 +65,7 @@ void main() {
   float transmittance = 1.0, depth_sum = 0.0, weight_sum = 0.0, tau = 0.0;
   vec4 layer_weight = vec4(0.0);
   vec3 light = vec3(0.0);  // share of sun illuminance, of sky illuminance, of ground exitance (1/sr)
-  int steps = 0;
+  int steps = 0, samples = 0;  // samples: evaluations of a layer's density, for eye and sun
   if (hull_span(dir, imageLoad(depth_m, pixel).r, span, gap, entry_f_m2)) {
     float cos_sun = dot(dir, sun);
     float phase = phase_dual_hg(cos_sun, CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight);
@@ -112,7 +112,7 @@ void main() {
     int lights = 0;
     float light_share = mix(kLightShare, 0.45, coarse);
     vec3 wide = vec3(0.0);  // optical depths so far of the two wide lobes and of sky light
-    float cap = 1.0e9;
+    float cap = 1.0e9, shortest = 36.0;  // of the layer at hand: a share of the way through it, its shortest step
     uint main_layer = 0u;
     CloudColumn lit = CloudColumn(0.0, 0.0, 0.0, vec3(0.0), 0.0, 0.0, 0.0);  // where light was last sent from
 
@@ -120,7 +120,7 @@ void main() {
       if (s >= gap_s.x && s < gap_s.y) s = gap_s.y;
       if (s >= end) break;
       float t = span.x + s;
-      float fine = min(max(t * 0.02, 36.0), max(cap, 2.0));
+      float fine = min(max(t * 0.02, shortest), max(cap, 2.0));
       float at_s = min(s + jitter * fine, end);  // stretches of the ray tile it exactly; each is sampled somewhere inside
       float at = span.x + at_s;
       vec3 q = entry_q + scaled_dir * at_s;
@@ -139,24 +139,31 @@ void main() {
       here.properties = mix(places[first].properties, places[first + 1].properties, between);
       here.ground_m = mix(places[first].ground_m, places[first + 1].ground_m, between);
       float slope = climb + (GROUND || WEATHER != kWeatherUniform ? kBaseSlope : 1.0e-4);
-      float leap_m = 1.0e9, next_cap = 1.0e9;
+      float leap_m = 1.0e9, next_cap = 1.0e9, next_shortest = 1.0e9;
       uint todo = 0u;
       for (uint l = 0u; l < LAYERS; ++l) {
         float base_m = cloud_base_m(l, here), thickness_m = CLOUD.layers[l].thickness_m;
         float away_m = max(base_m - height_m, height_m - base_m - thickness_m);
-        float cross_m = ray_over(thickness_m, climb) / crossings;
+        float cross_m = max(ray_over(thickness_m, climb) / crossings, CLOUD.uniform_density > 0.0 ? 0.0 : min(CLOUD.layers[l].step_m, 0.1 * thickness_m));
         if (away_m < 0.0) {
           todo |= 1u << l;
           next_cap = min(next_cap, cross_m);
+          next_shortest = min(next_shortest, CLOUD.layers[l].step_m);
         } else {
           float reach_m = ray_over(away_m, slope);
           if (reach_m < leap_m) {
             leap_m = reach_m;
-            if (todo == 0u) cap = cross_m;
+            if (todo == 0u) {
+              cap = cross_m;
+              shortest = CLOUD.layers[l].step_m;
+            }
           }
         }
       }
-      if (todo != 0u) cap = next_cap;
+      if (todo != 0u) {
+        cap = next_cap;
+        shortest = next_shortest;
+      }
       leap_m = max(leap_m, 2.0);
 
       float footprint_m = max(pixel_angle * at, 0.08 * fine);
@@ -166,7 +173,7 @@ void main() {
       vec4 sigmas = vec4(0.0);
       CloudColumn column;
       do {
-        uint l = todo != 0u ? uint(findLSB(todo)) : 0u;
+        uint l = LAYERS > 1u && todo != 0u ? uint(findLSB(todo)) : 0u;
         if (todo != 0u) {
           // Slow fields: read every few hundred metres of ground, straight lines between.
           while (far_t[l] < at) {
@@ -186,6 +193,7 @@ void main() {
             far[l] = cloud_column(l, w, far_p, geodetic_up(planet, far_p), geodetic_height(planet, far_p), log2(max(far_footprint_m, 1.0)));
             column_m[l] = max(kColumn_m, 2.0 * far_footprint_m) / max(sqrt(max(1.0 - climb * climb, 0.0)), 0.05);
           }
+          ++samples;
           CloudColumn c = mix_columns(near[l], far[l], (at - near_t[l]) / max(far_t[l] - near_t[l], 1.0e-3));
           float eta = cloud_eta(l, c, height_m);
           float unknown = c.unknown;
@@ -282,6 +290,7 @@ void main() {
       }
     }
     // All lanes march towards the sun together here; within the loop above each step of one would have cost them all.
+    samples += lights * kSunTaps;
     for (int i = 0; i < lights; ++i) {
       float at = sources[i].x;
       float at_s = at - span.x;
@@ -304,5 +313,5 @@ void main() {
       dominant = float(i + 1);
     }
   imageStore(out_light, pixel, vec4(light, transmittance));
-  imageStore(out_info, pixel, vec4(mean_m, tau, dominant, float(steps)));
+  imageStore(out_info, pixel, vec4(mean_m, tau, dominant, float(steps) + 1024.0 * float(samples)));
 }

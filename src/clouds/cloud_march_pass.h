@@ -24,7 +24,7 @@ class CloudMarchPass {
     /// transmittance. The picture is rgb + a * background, where the background has its own aerial perspective.
     ImageRef radiance;
     /// rgba32f: contribution-weighted depth, m (1e10: none); optical depth along the ray, up to about 16;
-    /// dominant layer (0 none, 1..4: its place in CloudParams::layers); march steps.
+    /// dominant layer (0 none, 1..4: its place in CloudParams::layers); march steps + 1024 x samples of density.
     ImageRef info;
   };
   /// `clouds` must outlive the pass. `spectral_groups`: AtmosphereTables::spectral_groups() of the tables that add() gets.

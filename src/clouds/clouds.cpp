@@ -15,7 +15,7 @@
 namespace nepho {
 namespace {
 
-static_assert(sizeof(shared::CloudLayerConstants) == 20 * 4 + 2 * 16 + 2 * 8 + 2 * 4 + 16 * 4 + 4);
+static_assert(sizeof(shared::CloudLayerConstants) == 20 * 4 + 2 * 16 + 2 * 8 + 3 * 4 + 16 * 4 + 4);
 static_assert(sizeof(shared::CloudConstants) ==
               27 * 40 + 4 * sizeof(shared::CloudLayerConstants) + sizeof(shared::CloudAnchor) + 40 + 11 * 4 + 12 + 24);
 
@@ -63,6 +63,9 @@ shared::CloudLayerConstants layer_constants(const CloudLayer& layer, uint32_t sl
   c.wind_mps = glm::vec2(f(layer.wind_east_mps), f(layer.wind_north_mps));
   c.lean = glm::vec2(f(layer.shear_east_mps_per_km), f(layer.shear_north_mps_per_km)) * f(1e-3 * kLean_s);
   c.evolution_mps = f(layer.evolution_speed * layer.cell_size_m / kLifetime_s);
+  // Half a small billow, or a tenth of an optical depth where that is longer.
+  c.step_m = f(std::max(36.0 * std::sqrt(layer.cell_size_m / 2500.0),
+                        std::min(0.1 / std::max(static_cast<double>(c.extinction_per_m), 1e-6), 250.0)));
   c.bend_m = f(0.07 * layer.cell_size_m);
   for (int i = 0; i < 16; ++i) c.thresholds[i] = shared::kThresholdFirst + shared::kThresholdStep * f(i);
   c.slot = slot;

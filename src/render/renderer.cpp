@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "clouds/cloud_march_pass.h"
 #include "render/background_pass.h"
+#include "render/debug_views.h"
 #include "render/exposure_passes.h"
 #include "render/frame_setup.h"
 #include "render/ground_shadow_pass.h"
@@ -59,10 +60,11 @@ struct Renderer::Parts {
   /// Absent under a clear sky, which then costs nothing.
   struct CloudParts {
     CloudParts(gpu::Device& device, const CloudParams& params, const WeatherSources& sources, uint32_t spectral_groups)
-        : clouds(device, params, sources), march(device, clouds, spectral_groups), shadow(device, clouds) {}
+        : clouds(device, params, sources), march(device, clouds, spectral_groups), shadow(device, clouds), debug(device, clouds) {}
     Clouds clouds;
     CloudMarchPass march;
     GroundShadowPass shadow;
+    DebugViewPass debug;
   };
 
   gpu::GraphExecutor executor;
@@ -97,11 +99,23 @@ std::vector<shared::SkyView> sky_views_of(const shared::AtmosphereUniform& air, 
 struct FrameOutputs {
   Terrain::Outputs terrain;
   NightSky::Refs night_sky;
-  ImageRef background, radiance, cloud, cloud_info;
+  ImageRef background, radiance, cloud, cloud_info, debug;
   ExposurePasses::Outputs exposure;
 };
 
 }  // namespace
+
+std::vector<uint8_t> Renderer::debug_picture(Parts& parts, const std::string& view, ImageRef image, size_t pixels) {
+  std::vector<uint8_t> rgb(3 * pixels);
+  if (parts.clouds) {
+    const std::vector<uint8_t> rgba = parts.executor.read<uint8_t>(image);
+    for (size_t k = 0; k < pixels; ++k) std::memcpy(&rgb[3 * k], &rgba[4 * k], 3);
+    return rgb;
+  }
+  const std::array<uint8_t, 3> color = DebugViewPass::clear_color(view);
+  for (size_t k = 0; k < pixels; ++k) std::memcpy(&rgb[3 * k], color.data(), 3);
+  return rgb;
+}
 
 Renderer::Renderer(gpu::Device& device, TerrainSources sources, const Scene& scene, const SkySources& sky,
                    const WeatherSources& weather)
@@ -195,9 +209,14 @@ RenderResult Renderer::render(const RenderRequest& request) {
       out.cloud = marched.radiance;
       out.cloud_info = marched.info;
       out.radiance = p.composite.add(graph, frame, out.background, out.cloud);
+      if (!request.debug.empty() && i == 0) {
+        out.debug = p.clouds->debug.add(graph, frame, request.debug, out.terrain.depth_m, density, marched);
+        graph.keep(out.debug);
+      }
     }
     const bool last = i + 1 == frames;
-    if (request.display && frames == 1) {
+    const bool debug = !request.debug.empty();  // a picture of the first frame's insides
+    if (request.display && frames == 1 && !debug) {
       out.exposure = p.exposure.add(graph, out.radiance, scene_.render, request.frame_interval_s);
       graph.keep(out.exposure.display);
       graph.keep(out.exposure.state);
@@ -241,7 +260,8 @@ RenderResult Renderer::render(const RenderRequest& request) {
       if (last)
         for (size_t k = 0; k < sum.size(); ++k) readback.radiance[k] = static_cast<float>(sum[k] / frames);
     }
-    if (last && request.display) {
+    if (debug && i == 0) result.display_rgb = debug_picture(p, request.debug, out.debug, pixels);
+    if (last && request.display && !debug) {
       if (frames > 1) {
         FrameGraph tone;
         const gpu::Image image = device_.create_image({.name = "mean", .extent = extent, .format = Format::rgba32f});

@@ -63,6 +63,7 @@ class Renderer {
  private:
   void advance_atmosphere();
   struct Parts;
+  static std::vector<uint8_t> debug_picture(Parts& parts, const std::string& view, ImageRef image, size_t pixels);
   Scene scene_;
   gpu::Device& device_;
   RenderTimings timings_;

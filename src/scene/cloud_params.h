@@ -30,7 +30,7 @@ struct CloudLayer {
   double detail_amount = 0.5;          ///< 0..1: how much the detail noise works on edges
   double weather_exponent = 1.0;       ///< a weather map's value v means the coverage v^exponent, > 0
   double shape_altering_bias = 0.35;   ///< where the cloud is widest: eta = 0.5^(1 / bias), > 0
-  double coverage_filter_width = 0.35;  ///< standard deviations of the field from a cloud's edge to its full density, > 0
+  double coverage_filter_width = 0.12;  ///< standard deviations of the field from a cloud's edge to its full density, > 0
   double top_relief = 1.15;  ///< standard deviations by which a cell must exceed the edge to fill 63 % of the layer, >= 0
   double anvil_amount = 0.0;  ///< 0..1: how much wider the top fifth is than the tower below it
   double cell_size_m = 2500.0;  ///< distance between neighbouring cells, m
@@ -46,7 +46,7 @@ struct CloudLayer {
   bool operator==(const CloudLayer&) const = default;
 };
 
-/// A tileable noise volume: made on the GPU, or read from a file (docs/clouds.md, 'Noise').
+/// A tileable noise volume: made on the GPU, or read from a file (docs/cloud_noise.md).
 struct NoiseTextureParams {
   std::string file = {};           ///< empty: the built-in one
   double period_m = 6130.0;        ///< distance after which it repeats, m ("repeat" of other libraries: 1 / period)

@@ -15,7 +15,12 @@ constexpr DensityProfile kDeepTower{.linear_term = 0.5, .constant_term = 0.5};  
 
 CloudLayer cumulus() {
   return {
-      .base_m = 1200.0, .base_reference = "terrain", .thickness_m = 1700.0, .top_relief = 1.15, .cell_size_m = 2500.0};
+      .base_m = 1200.0,
+      .base_reference = "terrain",
+      .thickness_m = 1700.0,
+      .coverage_filter_width = 0.12,
+      .top_relief = 1.15,
+      .cell_size_m = 2500.0};
 }
 
 CloudLayer stratus() {
@@ -36,6 +41,7 @@ CloudLayer stratocumulus() {
           .base_reference = "terrain",
           .thickness_m = 650.0,
           .shape_amount = 0.6,
+          .coverage_filter_width = 0.2,
           .top_relief = 0.45,
           .cell_size_m = 3200.0,
           .cell_roundness = 0.9};
@@ -49,6 +55,7 @@ CloudLayer altocumulus() {
           .density_scale = 0.35,
           .shape_amount = 0.6,
           .detail_amount = 0.4,
+          .coverage_filter_width = 0.25,
           .top_relief = 0.5,
           .cell_size_m = 900.0,
           .cell_roundness = 1.0,
@@ -84,6 +91,7 @@ CloudLayer cumulonimbus() {
           .density_profile = kDeepTower,
           .shape_amount = 1.0,
           .detail_amount = 0.6,
+          .coverage_filter_width = 0.12,
           .top_relief = 0.9,
           .anvil_amount = 0.9,
           .cell_size_m = 14000.0,
