@@ -114,6 +114,13 @@ void main() {
     vec3 wide = vec3(0.0);  // optical depths so far of the two wide lobes and of sky light
     float cap = 1.0e9, shortest = 36.0;  // of the layer at hand: a share of the way through it, its shortest step
     uint main_layer = 0u;
+    {
+      vec3 entry_up = normalize(scaled_from_cam(planet, entry_q));
+      for (uint l = 0u; l < LAYERS; ++l) {
+        cap = min(cap, ray_over(CLOUD.layers[l].thickness_m, abs(dot(dir, entry_up))) / crossings);
+        shortest = min(shortest, CLOUD.layers[l].step_m);
+      }
+    }
     CloudColumn lit = CloudColumn(0.0, 0.0, 0.0, vec3(0.0), 0.0, 0.0, 0.0);  // where light was last sent from
 
     for (; steps < kMaxSteps && s < end; ++steps) {
@@ -230,7 +237,7 @@ void main() {
               if (medium.sigma_per_m > 0.0)
                 advance_m = tau < 4.0 ? clamp(1.0 / medium.sigma_per_m, 0.4 * fine, fine) : 3.0 * fine;  // about one optical depth
               else
-                advance_m = clamp(-level * apart_m, fine, 4.0 * fine);
+                advance_m = clamp(-level * apart_m, 0.4 * fine, 4.0 * fine);
             } else {
               advance_m = clamp(-reach * apart_m, fine, fine + 0.08 * t + 0.5 * apart_m);
             }
