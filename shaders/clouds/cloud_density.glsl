@@ -45,6 +45,7 @@ const float kEdge = 0.02;             // softness of a resolved edge
 const float kFieldBias = 0.7;         // fields fade a little before a pixel reaches their texel: no twinkle from orbit
 const float kNoiseRange = 4.0;        // textures hold -range..range standard deviations
 const float kMesoBend_m = 1.6e3;      // per standard deviation: how far one field bends the lattice of the next
+const float kCellSlant = 0.3;        // height that cells change their form over, against their size on the ground
 const float kPoleCalm = 0.0025;       // winds fade within some 300 km of the poles, where east has no direction
 
 vec3 cloud_uvw(uint domain, uint phase, vec3 p_cam) {
@@ -168,7 +169,7 @@ float cloud_cell_field(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_
   vec3 east = cloud_east(up);
   float rise_m = height_m - c.base_m;
   vec3 leaning = (east * CLOUD.layers[l].lean.x + cross(up, east) * CLOUD.layers[l].lean.y) * rise_m;
-  vec3 foot = p_cam - up * height_m - leaning + c.bend;
+  vec3 foot = p_cam - up * (height_m - kCellSlant * rise_m) - leaning + c.bend;
   vec2 wind = CLOUD.layers[l].wind_mps;
   vec3 velocity = east * wind.x + cross(up, east) * wind.y + up * CLOUD.layers[l].evolution_mps;
   float cell = 0.0;
@@ -208,7 +209,7 @@ CloudChurn cloud_churn(uint l, vec3 p_cam, vec3 up, float eta, float log2_footpr
 float cloud_shape_level(uint l, CloudColumn c, CloudChurn churn, vec3 p_cam, float eta, float log2_footprint, inout float unknown) {
   uint domain = kDomainOfLayer + l * kLayerDomains + kShape;
   float lod = max(log2_footprint - CLOUD.domains[domain].log2_texel_m, 0.0);
-  float weight = kShapeWeight * CLOUD.layers[l].shape_amount * smoothstep(0.0, 0.25, eta);
+  float weight = kShapeWeight * CLOUD.layers[l].shape_amount * smoothstep(0.0, 0.25, eta) * (1.0 - 0.75 * anvil_share(eta, CLOUD.layers[l].anvil_amount));
   unknown += weight * weight * (1.0 - variance_left(lod, CLOUD.fades.shape.x, CLOUD.fades.shape.y));
   vec3 p = p_cam + c.bend + CLOUD.shape_displacement_m * churn.turbulence;
   float shape = 0.0;

@@ -141,13 +141,15 @@ SHARED_FN float clumped_extinction(float share, float sigma_per_m, float size_m)
 // What a cell must exceed at relative height eta (0 the base, 1 the top), standard deviations. The outline is Haggstrom's
 // shape-altering parabola 1 - (2 eta^bias - 1)^2 read as a share of the widest place: 0 there, growing without bound
 // towards the top. relief scales it; an anvil takes the top fifth back out beyond the tower.
-SHARED_CONST float kAnvilWidth = 0.55f;  // standard deviations that a full anvil spreads beyond the widest place
+SHARED_CONST float kAnvilWidth = 0.35f;  // standard deviations that a full anvil spreads beyond the widest place
+// Share of the anvil at eta: 0 in the tower, 1 in the top fifth of a full anvil.
+SHARED_FN float anvil_share(float eta, float anvil) { return anvil * smoothstep(0.70f, 0.82f, eta); }
 SHARED_FN float excess_needed(float eta, float bias, float relief, float anvil) {
   float e = clamp(eta, 1.0e-4f, 0.9999f);
   float t = exp2(bias * log2(e));
   float open = max(4.0f * t * (1.0f - t), 1.0e-5f);
   float need = -relief * log(open);
-  float out_there = anvil * smoothstep(0.70f, 0.84f, e);
+  float out_there = anvil_share(e, anvil);
   float close = -0.35f * log(max(1.0f - smoothstep(0.86f, 1.0f, e), 1.0e-5f));
   need = mix(need, close - kAnvilWidth, out_there);
   float under = max(0.02f - eta, 0.0f);  // nothing below the base, and its last metres cut sharply
@@ -159,7 +161,7 @@ SHARED_FN float excess_needed(float eta, float bias, float relief, float anvil) 
 SHARED_CONST float kProbitRelief = 0.5f;  // coverage beyond this probit closes gaps but raises no tops
 SHARED_CONST float kDeckSlope = 0.3f;
 SHARED_FN float cell_threshold(float need, float probit) {
-  return min(need - min(probit, kProbitRelief), need / kDeckSlope - probit);
+  return min(need - min(probit, kProbitRelief), max(need, need / kDeckSlope) - probit);
 }
 
 SHARED_FN float density_profile(vec4 abcd, float eta) { return max(abcd.x * exp(abcd.y * eta) + abcd.z * eta + abcd.w, 0.0f); }

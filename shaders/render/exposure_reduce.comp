@@ -46,7 +46,8 @@ float metered_ev100() {
   }
   float grey_ev100 = ev100_that_shows(exp2(sum / (high - low)), 0.18);
   float bright_ev100 = ev100_that_shows(exp2(bright_log2), 0.9);
-  float ev100 = 0.5 * (grey_ev100 + bright_ev100);
+  // Where all is bright (clouds from above, snow) the second alone counts: white stays white.
+  float ev100 = min(0.5 * (grey_ev100 + bright_ev100), bright_ev100);
   // A tenth of the picture is a subject: the moon in a long lens is not lost in white for the black around it.
   ev100 = max(ev100, ev100_that_shows(exp2(large_log2), 0.9) - 1.2);
   float metered = 0.18 / exposure_from_ev100(ev100);  // the luminance that would be middle grey

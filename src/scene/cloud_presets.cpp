@@ -92,8 +92,8 @@ CloudLayer cumulonimbus() {
           .shape_amount = 1.0,
           .detail_amount = 0.6,
           .coverage_filter_width = 0.12,
-          .top_relief = 0.9,
-          .anvil_amount = 0.9,
+          .top_relief = 0.45,
+          .anvil_amount = 1.0,
           .cell_size_m = 14000.0,
           .cell_roundness = 0.8,
           .wind_east_mps = 8.0};
