@@ -13,6 +13,8 @@ layout(set = 0, binding = 22, rgba32f) uniform writeonly image2D out_info;
 layout(set = 0, binding = 23) uniform sampler2DArray cloud_blue;
 
 const int kMaxSteps = 256;
+const int kSearchSteps = 6, kMarchSteps = 4;  // of one kind before the other has its turn
+const int kModeSearch = 0, kModeAhead = 1, kModeMarch = 2;
 const int kPlaces = 8;              // readings of the weather map along a ray
 const int kMaxLights = 6;           // points of a ray that look for the sun
 const float kLightShare = 0.20;     // about how much of what the ray sees each stands for
@@ -50,6 +52,31 @@ bool hull_span(vec3 dir, float far_m, out vec2 span, out vec2 gap, out float ent
 
 // Length of a ray over which height changes by dz, where it climbs by `climb` per metre and the Earth curves away below it.
 float ray_over(float dz_m, float climb) { return 2.0 * dz_m / (climb + sqrt(climb * climb + 2.0 * dz_m / CLOUD_PLANET.a_m)); }
+
+// Length of a ray before it can meet a layer that is `away_m` metres above it (above: whose base is that far over the point)
+// or below it, where the ray climbs by `climb` and the layer's faces by at most `slope` per metre.
+float ray_free(float away_m, bool above, float climb, float slope) {
+  float bend = 2.0 * away_m / (1.01 * CLOUD_PLANET.a_m);
+  float closing = slope + (above ? climb : -climb);
+  float root = closing * closing + (above ? 1.03 * bend : -bend);
+  if (root < 0.0 || (!above && closing <= 0.0)) return 1.0e9;  // the Earth curves away sooner than the ray sinks
+  root = sqrt(root);
+  return closing < 0.0 ? 0.97 * CLOUD_PLANET.a_m * (root - closing) : 2.0 * away_m / (closing + root);
+}
+
+CloudWeather mix_weather(CloudWeather a, CloudWeather b, float u) {
+  if (WEATHER == kWeatherUniform) {
+    a.ground_m = mix(a.ground_m, b.ground_m, u);
+    return CloudWeather(vec4(CLOUD.uniform_coverage), vec4(0.5, 0.0, 1.0, 0.0), GROUND ? a.ground_m : vec2(0.0));
+  }
+  return CloudWeather(mix(a.coverage, b.coverage, u), mix(a.properties, b.properties, u), mix(a.ground_m, b.ground_m, u));
+}
+
+// Highest level that billows and what the footprint hides can make of a column's. (The steep cut at the base says nothing
+// about distance.)
+float cloud_reach(uint l, float level, float need, float eta, float unknown) {
+  return level + max(need - 1.0, 0.0) * smoothstep(0.03, 0.0, eta) + kShapeReach * CLOUD.layers[l].shape_amount * smoothstep(0.0, 0.25, eta) + 2.6 * sqrt(unknown);
+}
 
 void main() {
   // Neighbouring lanes march in step: blocks of 4 x 2 pixels stay together better than rows of 8.
@@ -97,13 +124,10 @@ void main() {
       places[i] = cloud_weather_at(place, geodetic_up(planet, place), log2(max(pixel_angle * place_t, 1.0)));
     }
 
+    // Slow fields of each layer in the stretch at hand: read at near_s and far_s, straight lines between.
     CloudColumn near[LAYERS], far[LAYERS];
-    float near_t[LAYERS], far_t[LAYERS], column_m[LAYERS];
-    for (uint l = 0u; l < LAYERS; ++l) {
-      far[l] = CloudColumn(0.0, 0.0, 0.0, vec3(0.0), 0.0, 0.0, 0.0);
-      near_t[l] = far_t[l] = span.x - 1.0;
-      column_m[l] = 0.0;
-    }
+    float near_s = 0.0, far_s = 0.0;
+    for (uint l = 0u; l < LAYERS; ++l) near[l] = far[l] = CloudColumn(0.0, 0.0, 0.0, vec3(0.0), 0.0, 0.0, 0.0);
     vec4 sources[kMaxLights];
     CloudColumn columns[kMaxLights];
     uint source_layers[kMaxLights];
@@ -113,6 +137,7 @@ void main() {
     float light_share = mix(kLightShare, 0.45, coarse);
     vec3 wide = vec3(0.0);  // optical depths so far of the two wide lobes and of sky light
     float cap = 1.0e9, shortest = 36.0;  // of the layer at hand: a share of the way through it, its shortest step
+    float column_m = kColumn_m;
     uint main_layer = 0u;
     {
       vec3 entry_up = normalize(scaled_from_cam(planet, entry_q));
@@ -123,88 +148,135 @@ void main() {
     }
     CloudColumn lit = CloudColumn(0.0, 0.0, 0.0, vec3(0.0), 0.0, 0.0, 0.0);  // where light was last sent from
 
-    for (; steps < kMaxSteps && s < end; ++steps) {
-      if (s >= gap_s.x && s < gap_s.y) s = gap_s.y;
-      if (s >= end) break;
-      float t = span.x + s;
-      float fine = min(max(t * 0.02, shortest), max(cap, 2.0));
-      float at_s = min(s + jitter * fine, end);  // stretches of the ray tile it exactly; each is sampled somewhere inside
-      float at = span.x + at_s;
-      vec3 q = entry_q + scaled_dir * at_s;
-      vec3 sq = vec3(q.xy, q.z * planet.a_over_b);
-      float inv = inversesqrt(dot(sq, sq));
-      vec3 up = sq * inv;
-      float height_m = scaled_height_from_f(planet, entry_f_m2 + at_s * (f_slope + at_s * f_bend)) * length(q) * inv;
-      vec3 p = dir * at;
-      float climb = abs(dot(dir, up));
-
-      // Which layers are here, and how far the others.
-      float place = sqrt(clamp(at_s / end, 0.0, 1.0)) * float(kPlaces - 1);
+    // Two loops take turns. One searches empty space by what is cheap to read and reads slow fields ahead; one marches through
+    // what may be cloud. A software device runs the lanes of a group in step and pays for everything within a loop that any
+    // lane is in: whole stretches of one kind cost a group less than steps that could be of either.
+    uint dense = 0u;         // layers whose cloud may be here
+    float safe_s = 0.0;      // up to here no other layer's can be
+    int mode = kModeSearch;
+    while (steps < kMaxSteps && s < end) {
+      float place = sqrt(clamp(s / end, 0.0, 1.0)) * float(kPlaces - 1);
       int first = min(int(place), kPlaces - 2);
-      float between = place - float(first);
-      CloudWeather here;
-      here.properties = mix(places[first].properties, places[first + 1].properties, between);
-      here.ground_m = mix(places[first].ground_m, places[first + 1].ground_m, between);
-      float slope = climb + (GROUND || WEATHER != kWeatherUniform ? kBaseSlope : 1.0e-4);
-      float leap_m = 1.0e9, next_cap = 1.0e9, next_shortest = 1.0e9;
-      uint todo = 0u;
-      for (uint l = 0u; l < LAYERS; ++l) {
-        float base_m = cloud_base_m(l, here), thickness_m = CLOUD.layers[l].thickness_m;
-        float away_m = max(base_m - height_m, height_m - base_m - thickness_m);
-        float cross_m = max(ray_over(thickness_m, climb) / crossings, CLOUD.uniform_density > 0.0 ? 0.0 : min(CLOUD.layers[l].step_m, 0.1 * thickness_m));
-        if (away_m < 0.0) {
-          todo |= 1u << l;
-          next_cap = min(next_cap, cross_m);
-          next_shortest = min(next_shortest, CLOUD.layers[l].step_m);
-        } else {
-          float reach_m = ray_over(away_m, slope);
-          if (reach_m < leap_m) {
-            leap_m = reach_m;
-            if (todo == 0u) {
-              cap = cross_m;
-              shortest = CLOUD.layers[l].step_m;
+      CloudWeather weather0 = places[first], weather1 = places[first + 1];
+      float u0 = float(first) / float(kPlaces - 1), u1 = float(first + 1) / float(kPlaces - 1);
+      float weather_s = end * u0 * u0, weather_per_m = 1.0 / (end * (u1 * u1 - u0 * u0)), weather_end = end * u1 * u1;
+
+      for (int n = 0; n < kSearchSteps && mode != kModeMarch && s < end && (n == 0 || s < weather_end); ++n) {
+        ++steps;
+        if (s >= gap_s.x && s < gap_s.y) s = gap_s.y;
+        float t = span.x + s;
+        float fine = min(max(t * 0.02, shortest), max(cap, 2.0));
+        float at_s = mode == kModeSearch ? min(s + jitter * fine, end) : far_s;
+        float at = span.x + at_s;
+        vec3 q = entry_q + scaled_dir * at_s;
+        vec3 sq = vec3(q.xy, q.z * planet.a_over_b);
+        float inv = inversesqrt(dot(sq, sq));
+        vec3 up = sq * inv;
+        float height_m = scaled_height_from_f(planet, entry_f_m2 + at_s * (f_slope + at_s * f_bend)) * length(q) * inv;
+        vec3 p = dir * at;
+        float rising = dot(dir, up), climb = abs(rising);
+        CloudWeather here = mix_weather(weather0, weather1, clamp((at_s - weather_s) * weather_per_m, 0.0, 1.0));
+        float log2_footprint = log2(max(pixel_angle * at, mode == kModeSearch ? 0.08 * fine : 1.0));
+
+        // Which layers are here, and how far the others.
+        uint todo = dense;
+        float step_m = 0.0;
+        if (mode == kModeSearch) {
+          float slope = GROUND || WEATHER != kWeatherUniform ? kBaseSlope : 1.0e-4;
+          float leap_m = 1.0e9, next_cap = 1.0e9, next_shortest = 1.0e9;
+          todo = 0u;
+          for (uint l = 0u; l < LAYERS; ++l) {
+            float base_m = cloud_base_m(l, here), thickness_m = CLOUD.layers[l].thickness_m;
+            float away_m = max(base_m - height_m, height_m - base_m - thickness_m);
+            float cross_m = max(ray_over(thickness_m, climb) / crossings, CLOUD.uniform_density > 0.0 ? 0.0 : min(CLOUD.layers[l].step_m, 0.1 * thickness_m));
+            if (away_m < 0.0) {
+              todo |= 1u << l;
+              next_cap = min(next_cap, cross_m);
+              next_shortest = min(next_shortest, CLOUD.layers[l].step_m);
+            } else {
+              float reach_m = ray_free(away_m, height_m < base_m, rising, slope);
+              if (reach_m < leap_m) {
+                leap_m = reach_m;
+                if (todo == 0u) {
+                  cap = cross_m;
+                  shortest = CLOUD.layers[l].step_m;
+                }
+              }
             }
           }
-        }
-      }
-      if (todo != 0u) {
-        cap = next_cap;
-        shortest = next_shortest;
-      }
-      leap_m = max(leap_m, 2.0);
-
-      float footprint_m = max(pixel_angle * at, 0.08 * fine);
-      float log2_footprint = log2(footprint_m);
-      float step_m = todo != 0u ? leap_m : max(leap_m, min(fine, 0.5 * cap));
-      float sigma = 0.0, clump_depth = 0.0, unresolved = 0.0, level_here = 0.0, eta_here = 0.0, sigma_best = 0.0;
-      vec4 sigmas = vec4(0.0);
-      CloudColumn column;
-      do {
-        uint l = LAYERS > 1u && todo != 0u ? uint(findLSB(todo)) : 0u;
-        if (todo != 0u) {
-          // Slow fields: read every few hundred metres of ground, straight lines between.
-          while (far_t[l] < at) {
-            near[l] = far[l];
-            near_t[l] = far_t[l];
-            float t1 = max(far_t[l] + column_m[l], at);
-            far_t[l] = t1;
-            vec3 far_p = dir * t1;
-            float far_footprint_m = pixel_angle * t1;
-            float far_place = sqrt(clamp((t1 - span.x) / end, 0.0, 1.0)) * float(kPlaces - 1);
-            int far_first = min(int(far_place), kPlaces - 2);
-            float far_between = far_place - float(far_first);
-            CloudWeather w;
-            w.coverage = mix(places[far_first].coverage, places[far_first + 1].coverage, far_between);
-            w.properties = mix(places[far_first].properties, places[far_first + 1].properties, far_between);
-            w.ground_m = mix(places[far_first].ground_m, places[far_first + 1].ground_m, far_between);
-            far[l] = cloud_column(l, w, far_p, geodetic_up(planet, far_p), geodetic_height(planet, far_p), log2(max(far_footprint_m, 1.0)));
-            column_m[l] = max(kColumn_m, 2.0 * far_footprint_m) / max(sqrt(max(1.0 - climb * climb, 0.0)), 0.05);
+          if (todo != 0u) {
+            cap = next_cap;
+            shortest = next_shortest;
           }
-          ++samples;
-          CloudColumn c = mix_columns(near[l], far[l], (at - near_t[l]) / max(far_t[l] - near_t[l], 1.0e-3));
+          leap_m = max(leap_m, 2.0);
+          step_m = todo != 0u ? leap_m : max(leap_m, min(fine, 0.5 * cap));
+          dense = 0u;
+        }
+        do {
+          uint l = LAYERS > 1u && todo != 0u ? uint(findLSB(todo)) : 0u;
+          CloudColumn c = cloud_column(l, here, p, up, height_m, log2_footprint);
           float eta = cloud_eta(l, c, height_m);
           float unknown = c.unknown;
-          float apart_m = kLevelStep * CLOUD.layers[l].cell_size_m;
+          float level = cloud_cell_field(l, c, p, up, height_m, log2_footprint, unknown);
+          float need = cloud_need(l, c, eta);
+          float reach = cloud_reach(l, level - cell_threshold(need, c.probit), need, eta, unknown);
+          bool inside = todo != 0u && (CLOUD.uniform_density > 0.0 ? eta >= 0.0 && eta <= 1.0 : eta > 0.0 && eta < 1.0);
+          if (CLOUD.uniform_density > 0.0) reach = 1.0;
+          for (uint i = 0u; i < LAYERS; ++i) {
+            if (i == l && mode == kModeSearch) near[i] = c;
+            if (i == l && mode == kModeAhead) far[i] = c;
+          }
+          if (mode == kModeSearch && todo != 0u) {
+            ++samples;
+            float apart_m = kLevelStep * CLOUD.layers[l].cell_size_m;
+            if (inside && reach > 0.0) dense |= 1u << l;
+            else step_m = min(step_m, inside ? clamp(-reach * apart_m, fine, fine + 0.08 * t + 0.5 * apart_m) : fine);
+          }
+          todo &= todo - 1u;
+        } while (todo != 0u);
+        if (mode == kModeAhead) {
+          mode = kModeMarch;
+        } else if (dense != 0u) {
+          // Slow fields every few hundred metres of ground.
+          mode = kModeAhead;
+          near_s = at_s;
+          column_m = max(max(kColumn_m, 2.0 * pixel_angle * at) / max(sqrt(max(1.0 - climb * climb, 0.0)), 0.05), 2.0 * fine);
+          far_s = near_s + column_m;
+          safe_s = s + min(step_m, 2.0e4);
+        } else {
+          s += step_m;
+        }
+      }
+
+      for (int n = 0; n < kMarchSteps && mode == kModeMarch && s < end; ++n) {
+        ++steps;
+        float t = span.x + s;
+        float fine = min(max(t * 0.02, shortest), max(cap, 2.0));
+        float at_s = min(s + jitter * fine, end);  // stretches of the ray tile it exactly; each is sampled somewhere inside
+        float at = span.x + at_s;
+        vec3 q = entry_q + scaled_dir * at_s;
+        vec3 sq = vec3(q.xy, q.z * planet.a_over_b);
+        float inv = inversesqrt(dot(sq, sq));
+        vec3 up = sq * inv;
+        float height_m = scaled_height_from_f(planet, entry_f_m2 + at_s * (f_slope + at_s * f_bend)) * length(q) * inv;
+        vec3 p = dir * at;
+        float footprint_m = max(pixel_angle * at, 0.08 * fine);
+        float log2_footprint = log2(footprint_m);
+        float between = (at_s - near_s) / max(far_s - near_s, 1.0e-3);
+        float step_m = max(safe_s - s, 2.0);
+        float sigma = 0.0, clump_depth = 0.0, unresolved = 0.0, level_here = 0.0, eta_here = 0.0, sigma_best = 0.0;
+        vec4 sigmas = vec4(0.0);
+        CloudColumn column;
+        bool out_of_it = true;
+        uint todo = dense;
+        do {
+          uint l = LAYERS > 1u && todo != 0u ? uint(findLSB(todo)) : 0u;
+          ++samples;
+          CloudColumn c = mix_columns(near[0], far[0], between);
+          for (uint i = 1u; i < LAYERS; ++i)
+            if (i == l) c = mix_columns(near[i], far[i], between);
+          float eta = cloud_eta(l, c, height_m);
+          float unknown = c.unknown;
           float advance_m = fine;
           if (CLOUD.uniform_density > 0.0) {
             float slab = eta >= 0.0 && eta <= 1.0 ? CLOUD.uniform_density * CLOUD.layers[l].extinction_per_m : 0.0;
@@ -212,13 +284,15 @@ void main() {
             sigmas[CLOUD.layers[l].slot] = slab;
             column = c;
             level_here = 1.0;
+            if (slab > 0.0) out_of_it = false;
           } else if (eta > 0.0 && eta < 1.0) {
+            float apart_m = kLevelStep * CLOUD.layers[l].cell_size_m;
             float level = cloud_cell_field(l, c, p, up, height_m, log2_footprint, unknown);
             float need = cloud_need(l, c, eta);
             level -= cell_threshold(need, c.probit);
-            // (the steep cut at the base says nothing about distance)
-            float reach = level + max(need - 1.0, 0.0) * smoothstep(0.03, 0.0, eta) + kShapeReach * CLOUD.layers[l].shape_amount * smoothstep(0.0, 0.25, eta) + 2.6 * sqrt(unknown);
+            float reach = cloud_reach(l, level, need, eta, unknown);
             if (reach > 0.0) {
+              out_of_it = false;
               CloudChurn churn = cloud_churn(l, p, up, eta, log2_footprint);
               level += cloud_shape_level(l, c, churn, p, eta, log2_footprint, unknown);
               if (level > -0.3 && level < 0.3 + CLOUD.layers[l].filter_width && transmittance > 0.1) level += cloud_detail_level(l, c, churn, p, eta, log2_footprint, unknown);
@@ -243,47 +317,57 @@ void main() {
             }
           }
           step_m = min(step_m, advance_m);
-        }
-        todo &= todo - 1u;
-      } while (todo != 0u);
+          todo &= todo - 1u;
+        } while (todo != 0u);
 
-      if (sigma > 0.0) {
-        step_m = min(step_m, (s < gap_s.x ? min(end, gap_s.x) : end) - s);
-        float d_tau = sigma * step_m;
-        float w = transmittance * (1.0 - exp(-d_tau));
-        // Deep in a cloud light comes from all around; at its rim from one side.
-        float fill = mix(mix(0.5, 1.0, clamp(level_here * 1.8, 0.0, 1.0)), 0.85, unresolved);
-        // Scaled by `view` inside a clump; a clump as a whole hides what lies behind for every order alike.
-        vec3 scale = vec3(kOctaves[0].view, kOctaves[1].view, kSkyView);
-        float x = max(clump_depth, 0.02);
-        vec3 d_wide = d_tau * (1.0 - exp(-scale * x)) / (1.0 - exp(-x));
-        vec3 w_wide = exp(-wide) * (1.0 - exp(-d_wide));
-        wide += d_wide;
-        // Sunlight waits for its shadow: what this stretch sends, by how fast each part fades with the depth to the sun.
-        vec3 sent = vec3(w * phase, w_wide.xy * lobes * fill);
-        float seen = w + 0.5 * (w_wide.x + w_wide.y);
-        pending += vec4(at * seen, sent);
-        pending_seen += seen;
-        lit = column;
-        if (pending_seen > light_share && lights < kMaxLights) {
-          sources[lights] = vec4(pending.x / pending_seen, pending.yzw);
-          columns[lights] = column;
-          source_layers[lights] = main_layer;
-          ++lights;
-          pending = vec4(0.0);
-          pending_seen = 0.0;
+        if (sigma > 0.0) {
+          step_m = min(step_m, (s < gap_s.x ? min(end, gap_s.x) : end) - s);
+          float d_tau = sigma * step_m;
+          float w = transmittance * (1.0 - exp(-d_tau));
+          // Deep in a cloud light comes from all around; at its rim from one side.
+          float fill = mix(mix(0.5, 1.0, clamp(level_here * 1.8, 0.0, 1.0)), 0.85, unresolved);
+          // Scaled by `view` inside a clump; a clump as a whole hides what lies behind for every order alike.
+          vec3 scale = vec3(kOctaves[0].view, kOctaves[1].view, kSkyView);
+          float x = max(clump_depth, 0.02);
+          vec3 d_wide = d_tau * (1.0 - exp(-scale * x)) / (1.0 - exp(-x));
+          vec3 w_wide = exp(-wide) * (1.0 - exp(-d_wide));
+          wide += d_wide;
+          // Sunlight waits for its shadow: what this stretch sends, by how fast each part fades with the depth to the sun.
+          vec3 sent = vec3(w * phase, w_wide.xy * lobes * fill);
+          float seen = w + 0.5 * (w_wide.x + w_wide.y);
+          pending += vec4(at * seen, sent);
+          pending_seen += seen;
+          lit = column;
+          if (pending_seen > light_share && lights < kMaxLights) {
+            sources[lights] = vec4(pending.x / pending_seen, pending.yzw);
+            columns[lights] = column;
+            source_layers[lights] = main_layer;
+            ++lights;
+            pending = vec4(0.0);
+            pending_seen = 0.0;
+          }
+          float w_sky = w_wide.z * albedo;
+          float h = clamp(eta_here, 0.0, 1.0);
+          light += vec3(0.0, w_sky * mix(0.16, 0.55, h) / kPi, w_sky * mix(0.45, 0.1, h) / kPi);
+          depth_sum += w * at;
+          weight_sum += w;
+          layer_weight += sigmas * (w / sigma);
+          tau += d_tau;
+          transmittance *= exp(-d_tau);
         }
-        float w_sky = w_wide.z * albedo;
-        float h = clamp(eta_here, 0.0, 1.0);
-        light += vec3(0.0, w_sky * mix(0.16, 0.55, h) / kPi, w_sky * mix(0.45, 0.1, h) / kPi);
-        depth_sum += w * at;
-        weight_sum += w;
-        layer_weight += sigmas * (w / sigma);
-        tau += d_tau;
-        transmittance *= exp(-d_tau);
-        if (tau > kDeepest) break;
+        s += step_m;
+        if (out_of_it || s >= safe_s || (s >= gap_s.x && s < gap_s.y)) mode = kModeSearch;
+        else if (s + 0.5 * fine > far_s) {
+          mode = kModeAhead;
+          for (uint l = 0u; l < LAYERS; ++l) near[l] = far[l];
+          near_s = far_s;
+          far_s = max(far_s, s) + max(column_m, 2.0 * fine);
+        }
+        if (tau > kDeepest || s >= end) {
+          s = end;
+          break;
+        }
       }
-      s += step_m;
     }
     // What is left goes with the last source; or is the only one, where the ray sees little.
     if (pending_seen > 0.0) {
