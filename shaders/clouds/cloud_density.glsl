@@ -42,9 +42,10 @@ const float kShapeWeight = 0.34;      // standard deviations
 const float kDetailWeight = 0.11;
 const float kFineWeight = 0.045;
 const float kEdge = 0.02;             // softness of a resolved edge
-const float kFieldBias = 0.7;         // fields fade a little before a pixel reaches their texel: no twinkle from orbit
+// A mip with texels T, filtered linearly, averages like a box of sqrt(3) T: which mip is a footprint's.
+const float kFilterBias = -0.79;
 const float kNoiseRange = 4.0;        // textures hold -range..range standard deviations
-const float kMesoBend_m = 1.6e3;      // per standard deviation: how far one field bends the lattice of the next
+const float kMesoBend_m = 2.5e3;      // per standard deviation: how far one field bends the lattice of the next
 const float kCellSlant = 0.3;        // height that cells change their form over, against their size on the ground
 const float kPoleCalm = 0.0025;       // winds fade within some 300 km of the poles, where east has no direction
 
@@ -136,8 +137,8 @@ CloudColumn cloud_column(uint l, CloudWeather w, vec3 p_cam, vec3 up, float heig
   vec3 foot = p_cam - up * height_m;  // columns are vertical: the field is read on the ellipsoid
   vec3 velocity = cloud_velocity(l, up);
   uint first = kDomainOfLayer + l * kLayerDomains;
-  float regional_lod = max(log2_footprint + kFieldBias - CLOUD.domains[first + kRegional].log2_texel_m, 0.0);
-  float meso_lod = max(log2_footprint + kFieldBias - CLOUD.domains[first + kMeso].log2_texel_m, 0.0);
+  float regional_lod = max(log2_footprint + kFilterBias - CLOUD.domains[first + kRegional].log2_texel_m, 0.0);
+  float meso_lod = max(log2_footprint + kFilterBias - CLOUD.domains[first + kMeso].log2_texel_m, 0.0);
   // One field bends the lattice of the next.
   vec4 regional = cloud_read_field(first + kRegional, foot, velocity, regional_lod);
   vec4 meso = cloud_read_field(first + kMeso, foot + kMesoBend_m * regional.yzw, velocity, meso_lod);
@@ -145,7 +146,7 @@ CloudColumn cloud_column(uint l, CloudWeather w, vec3 p_cam, vec3 up, float heig
   c.slow = wr * regional.x + wm * meso.x;
   c.unknown = wr * wr * (1.0 - variance_left(regional_lod, CLOUD.fades.field.x, CLOUD.fades.field.y)) +
               wm * wm * (1.0 - variance_left(meso_lod, CLOUD.fades.field.x, CLOUD.fades.field.y));
-  c.bend = CLOUD.layers[l].bend_m * meso.yzw;
+  c.bend = CLOUD.layers[l].bend_m.x * regional.yzw + CLOUD.layers[l].bend_m.y * meso.yzw;
   return c;
 }
 
@@ -160,7 +161,7 @@ float cloud_eta(uint l, CloudColumn c, float height_m) { return (height_m - c.ba
 // variance the footprint hides. cloud_level_at() makes the level of it.
 float cloud_cell_field(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_m, float log2_footprint, inout float unknown) {
   uint domain = kDomainOfLayer + l * kLayerDomains + kCell;
-  float lod = max(log2_footprint + kFieldBias - CLOUD.domains[domain].log2_texel_m, 0.0);
+  float lod = max(log2_footprint + kFilterBias - CLOUD.domains[domain].log2_texel_m, 0.0);
   float roundness = CLOUD.layers[l].cell_roundness, weight = CLOUD.layers[l].cell_weight;
   vec2 parts = vec2(roundness, 1.0 - roundness) * inversesqrt(roundness * roundness + (1.0 - roundness) * (1.0 - roundness));
   vec2 left = vec2(variance_left(lod, CLOUD.fades.cells_round.x, CLOUD.fades.cells_round.y),
@@ -199,8 +200,10 @@ CloudChurn cloud_churn(uint l, vec3 p_cam, vec3 up, float eta, float log2_footpr
   churn.velocity_shape = own + east * CLOUD.shape_velocity_mps.x + north * CLOUD.shape_velocity_mps.y + up * CLOUD.shape_velocity_mps.z;
   churn.velocity_detail = own + east * CLOUD.detail_velocity_mps.x + north * CLOUD.detail_velocity_mps.y + up * CLOUD.detail_velocity_mps.z;
   float lod = max(log2_footprint - CLOUD.domains[kDomainTurbulence].log2_texel_m, 0.0);
-  churn.turbulence = (textureLod(cloud_turbulence, cloud_uvw(kDomainTurbulence, 0u, p_cam - own * CLOUD_ANCHOR.age_s.x), round(lod)).xyz - 0.5) *
-                     (2.0 * kNoiseRange);
+  churn.turbulence = vec3(0.0);
+  for (uint k = 0u; k < PHASES; ++k)
+    churn.turbulence += CLOUD_ANCHOR.weight[k] * (textureLod(cloud_turbulence, cloud_uvw(kDomainTurbulence, k, p_cam - own * CLOUD_ANCHOR.age_s[k]), round(lod)).xyz - 0.5);
+  churn.turbulence *= 2.0 * kNoiseRange;
   churn.turbulence *= mix(1.0, 0.4, smoothstep(0.0, 0.35, eta));
   return churn;
 }
@@ -208,7 +211,7 @@ CloudChurn cloud_churn(uint l, vec3 p_cam, vec3 up, float eta, float log2_footpr
 // Billows above, wisps below. Large scale.
 float cloud_shape_level(uint l, CloudColumn c, CloudChurn churn, vec3 p_cam, float eta, float log2_footprint, inout float unknown) {
   uint domain = kDomainOfLayer + l * kLayerDomains + kShape;
-  float lod = max(log2_footprint - CLOUD.domains[domain].log2_texel_m, 0.0);
+  float lod = max(log2_footprint + kFilterBias - CLOUD.domains[domain].log2_texel_m, 0.0);
   float weight = kShapeWeight * CLOUD.layers[l].shape_amount * smoothstep(0.0, 0.25, eta) * (1.0 - 0.75 * anvil_share(eta, CLOUD.layers[l].anvil_amount));
   unknown += weight * weight * (1.0 - variance_left(lod, CLOUD.fades.shape.x, CLOUD.fades.shape.y));
   vec3 p = p_cam + c.bend + CLOUD.shape_displacement_m * churn.turbulence;
@@ -220,7 +223,7 @@ float cloud_shape_level(uint l, CloudColumn c, CloudChurn churn, vec3 p_cam, flo
 
 float cloud_detail_level(uint l, CloudColumn c, CloudChurn churn, vec3 p_cam, float eta, float log2_footprint, inout float unknown) {
   uint domain = kDomainOfLayer + l * kLayerDomains + kDetail;
-  float lod = max(log2_footprint - CLOUD.domains[domain].log2_texel_m, 0.0);
+  float lod = max(log2_footprint + kFilterBias - CLOUD.domains[domain].log2_texel_m, 0.0);
   float weight = kDetailWeight * CLOUD.layers[l].detail_amount * mix(-1.0, 1.0, smoothstep(0.05, 0.3, eta));
   unknown += weight * weight * (1.0 - variance_left(lod, CLOUD.fades.detail.x, CLOUD.fades.detail.y));
   vec3 p = p_cam + 0.5 * c.bend;
@@ -231,7 +234,9 @@ float cloud_detail_level(uint l, CloudColumn c, CloudChurn churn, vec3 p_cam, fl
   float level = lod > 4.5 ? 0.0 : weight * detail * (2.0 * kNoiseRange);
   lod = log2_footprint - CLOUD.domains[domain + 1u].log2_texel_m;
   at = p + CLOUD.fine_displacement_m * churn.turbulence;
-  float fine = textureLod(cloud_detail, cloud_uvw(domain + 1u, 0u, at - churn.velocity_detail * CLOUD_ANCHOR.age_s.x), max(lod, 0.0)).r - 0.5;
+  float fine = 0.0;
+  for (uint k = 0u; k < PHASES; ++k)
+    fine += CLOUD_ANCHOR.weight[k] * (textureLod(cloud_detail, cloud_uvw(domain + 1u, k, at - churn.velocity_detail * CLOUD_ANCHOR.age_s[k]), max(lod, 0.0)).r - 0.5);
   return level + kFineWeight * CLOUD.layers[l].detail_amount * fine * (2.0 * kNoiseRange) * smoothstep(2.5, 1.0, lod);
 }
 

@@ -65,7 +65,7 @@ struct CloudLayerConstants {
   vec2 lean;                   // horizontal offset per metre of height
   float evolution_mps;         // the pattern's slice moves so fast through its noise
   float step_m;                // shortest useful step of a march
-  float bend_m;                // displacement of the cells by the meso field, m per standard deviation
+  vec2 bend_m;                 // displacement of cells and billows by the regional and the meso field, m per standard deviation
   float thresholds[16];        // calibrated: probit that gives the coverage of probit kThresholdFirst + i * kThresholdStep
   uint slot;                   // which of the scene's layers this is: 0..3
 };

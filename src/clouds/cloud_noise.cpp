@@ -56,17 +56,17 @@ const Volume& shape_volume() {
                                    {.cycles = 17, .amplitude = 0.30f, .domes = true, .bend = 0.02f},
                                    {.cycles = 35, .amplitude = 0.17f, .domes = true, .bend = 0.02f},
                                    {.cycles = 7, .count = 3, .gain = 0.55f, .amplitude = 0.3f}};
-  static const Volume volume{"clouds.shape", 128, Format::r8, 1, {billows}};
+  static const Volume volume{"clouds.shape", 128, Format::r16, 2, {billows}};
   return volume;
 }
 const Volume& detail_volume() {
   static const NoiseRecipe billows{{.cycles = 4, .count = 2, .gain = 0.61f, .domes = true}};
-  static const Volume volume{"clouds.detail", 32, Format::r8, 1, {billows}};
+  static const Volume volume{"clouds.detail", 32, Format::r16, 2, {billows}};
   return volume;
 }
 const Volume& turbulence_volume() {
   static const NoiseRecipe potential{{.cycles = 4, .count = 3, .gain = 0.35f}};
-  static const Volume volume{"clouds.turbulence", 64, Format::rgba8, 1, {potential, potential, potential}, true};
+  static const Volume volume{"clouds.turbulence", 64, Format::rgba16, 2, {potential, potential, potential}, true};
   return volume;
 }
 

@@ -13,9 +13,9 @@ namespace nepho {
 /// volumes have full mips. Values are standard deviations from the mean, -4..4 as 0..1.
 /// - field, 128^3 rgba16: four independent normal fields, fractal: octaves of 4..64 cycles a side.
 /// - cells, 128^3 rg16: r rounded cells with creases (8 to 16 a side), g a finer fractal (8..64 cycles); both normal.
-/// - shape, 128^3 r8: Perlin-Worley billows, 8..70 cycles; normal.
-/// - detail, 32^3 r8: Worley, 4 and 8 cycles; normal.
-/// - turbulence, 64^3 rgba8: xyz a divergence-free vector (curl of noise, 4..16 cycles), each component of variance 1.
+/// - shape, 128^3 r16: Perlin-Worley billows, 8..70 cycles; normal.
+/// - detail, 32^3 r16: Worley, 4 and 8 cycles; normal.
+/// - turbulence, 64^3 rgba16: xyz a divergence-free vector (curl of noise, 4..16 cycles), each component of variance 1.
 /// - blue, 64 x 64 x 16 r8 (a 2D array): spatiotemporal blue noise, uniform over 0..255 within every slice.
 class CloudNoise {
  public:

@@ -15,7 +15,7 @@
 namespace nepho {
 namespace {
 
-static_assert(sizeof(shared::CloudLayerConstants) == 20 * 4 + 2 * 16 + 2 * 8 + 3 * 4 + 16 * 4 + 4);
+static_assert(sizeof(shared::CloudLayerConstants) == 20 * 4 + 2 * 16 + 2 * 8 + 4 * 4 + 16 * 4 + 4);
 static_assert(sizeof(shared::CloudConstants) ==
               27 * 40 + 4 * sizeof(shared::CloudLayerConstants) + sizeof(shared::CloudAnchor) + 40 + 11 * 4 + 12 + 24);
 
@@ -26,8 +26,8 @@ constexpr float kCalibrationFootprint_m = 10.0f;
 
 /// Weights of the fields: what the weather map resolves itself, noise adds no more to.
 void set_weights(shared::CloudLayerConstants& to, double weather_texel_m) {
-  const double regional = 0.45 * std::clamp((weather_texel_m - 30e3) / 60e3, 0.0, 1.0);
-  const double meso = 0.55 * std::clamp(weather_texel_m / 8e3, 0.25, 1.0), cell = 0.704;
+  const double regional = 0.36 * std::clamp((weather_texel_m - 30e3) / 60e3, 0.0, 1.0);
+  const double meso = 0.55 * std::clamp(weather_texel_m / 8e3, 0.25, 1.0), cell = 0.75;
   const double norm = 1.0 / std::sqrt(regional * regional + meso * meso + cell * cell);
   to.regional_weight = static_cast<float>(regional * norm);
   to.meso_weight = static_cast<float>(meso * norm);
@@ -66,7 +66,7 @@ shared::CloudLayerConstants layer_constants(const CloudLayer& layer, uint32_t sl
   // Half a small billow, or a tenth of an optical depth where that is longer.
   c.step_m = f(std::max(36.0 * std::sqrt(layer.cell_size_m / 2500.0),
                         std::min(0.1 / std::max(static_cast<double>(c.extinction_per_m), 1e-6), 250.0)));
-  c.bend_m = f(0.07 * layer.cell_size_m);
+  c.bend_m = glm::vec2(f(std::max(0.4 * layer.cell_size_m, 500.0)), f(0.07 * layer.cell_size_m));
   for (int i = 0; i < 16; ++i) c.thresholds[i] = shared::kThresholdFirst + shared::kThresholdStep * f(i);
   c.slot = slot;
   return c;

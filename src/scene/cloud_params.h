@@ -106,7 +106,7 @@ std::optional<CloudLayer> cloud_genus(const std::string& name);
 std::vector<std::string> cloud_genus_names();
 
 /// A whole sky: layers, and coverage where it is the same everywhere. earth (the default: procedural weather), clear,
-/// fair, broken, overcast, storm, high-cirrus, valley-fog, or the name of a genus: that layer alone at coverage 0.4.
+/// fair, broken, overcast, storm, high-cirrus, valley-fog, or the name of a genus: that layer alone.
 std::optional<CloudParams> cloud_sky(const std::string& name);
 std::vector<std::string> cloud_sky_names();
 

@@ -116,11 +116,12 @@ CloudLayer fog() {
 struct Genus {
   const char* name;
   CloudLayer (*layer)();
+  double coverage;  ///< of the sky that has this genus alone
 };
-constexpr std::array kGenera{Genus{"stratus", stratus}, Genus{"stratocumulus", stratocumulus},
-                             Genus{"cumulus", cumulus}, Genus{"altocumulus", altocumulus},
-                             Genus{"cirrus", cirrus},   Genus{"cumulonimbus", cumulonimbus},
-                             Genus{"fog", fog}};
+constexpr std::array kGenera{Genus{"stratus", stratus, 0.8}, Genus{"stratocumulus", stratocumulus, 0.6},
+                             Genus{"cumulus", cumulus, 0.3}, Genus{"altocumulus", altocumulus, 0.4},
+                             Genus{"cirrus", cirrus, 0.4},   Genus{"cumulonimbus", cumulonimbus, 0.08},
+                             Genus{"fog", fog, 0.6}};
 
 /// A layer of a sky whose coverage is `of_sky` times the sky's.
 struct Deck {
@@ -140,14 +141,12 @@ const std::vector<Sky>& skies() {
       {"fair", 0.3, {{cumulus}, {cirrus, 0.4}}},
       {"broken", 0.65, {{stratocumulus}, {cumulus, 0.4}, {altocumulus, 0.5}}},
       {"overcast", 1.0, {{stratus}, {altocumulus, 0.6}}},
-      {"storm", 0.35, {{cumulonimbus}, {stratocumulus, 1.4}, {cirrus, 1.6}}},
+      {"storm", 0.4, {{cumulonimbus, 0.4}, {stratocumulus, 1.5}, {cirrus}}},
       {"high-cirrus", 0.6, {{cirrus}}},
       {"valley-fog", 0.7, {{fog}, {cirrus, 0.25}}},
   };
   return all;
 }
-
-constexpr double kGenusCoverage = 0.4;
 
 }  // namespace
 
@@ -165,9 +164,10 @@ std::vector<std::string> cloud_genus_names() {
 
 std::optional<CloudParams> cloud_sky(const std::string& name) {
   CloudParams clouds;
-  if (const std::optional<CloudLayer> genus = cloud_genus(name)) {
-    clouds.coverage = kGenusCoverage;
-    clouds.layers = {*genus};
+  const auto genus = std::find_if(kGenera.begin(), kGenera.end(), [&](const Genus& g) { return name == g.name; });
+  if (genus != kGenera.end()) {
+    clouds.coverage = genus->coverage;
+    clouds.layers = {genus->layer()};
     return clouds;
   }
   const auto found = std::find_if(skies().begin(), skies().end(), [&](const Sky& s) { return name == s.name; });

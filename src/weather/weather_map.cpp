@@ -62,7 +62,7 @@ struct WeatherMap::Made {
 
 WeatherMap::WeatherMap(gpu::Device& device, uint32_t procedural_size)
     : device_(device), procedural_size_(procedural_size) {
-  tile_ = make_tile_image(device_, "weather.tile", Format::rgba8, 1, 1, {1.0f, 1.0f, 1.0f, 1.0f});
+  tile_ = make_tile_image(device_, "weather.tile", Format::rgba16, 1, 1, {1.0f, 1.0f, 1.0f, 1.0f});
 }
 
 WeatherMap::~WeatherMap() = default;
@@ -188,7 +188,7 @@ void WeatherMap::make_tile(const Raster& raster) {
             texels[((size_t{y0} + y) * info.width + x0 + x) * 4 + c] =
                 block.values[(size_t{y} * block.width + x) * info.bands + (info.bands == 4 ? c : 0)];
     }
-  tile_ = make_tile_image(device_, "weather.tile", Format::rgba8, info.width, info.height, std::move(texels));
+  tile_ = make_tile_image(device_, "weather.tile", Format::rgba16, info.width, info.height, std::move(texels));
   make_uniform(1.0);
 }
 

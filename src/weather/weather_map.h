@@ -27,7 +27,7 @@ struct WeatherSources {
 /// - ground, rg32f: geoid undulation (m) and height of the smoothed ground above the ellipsoid (m; the sea has the
 ///   geoid's, and where no elevation raster has data it is 0, as the ground is drawn); all 0 unless a layer's
 ///   base_reference asks for it.
-/// - tile, 2D rgba8 with mips, repeating: the local weather texture; 1 x 1 unless the source is tile.
+/// - tile, 2D rgba16 with mips, repeating: the local weather texture; 1 x 1 unless the source is tile.
 class WeatherMap {
  public:
   /// `procedural_size`: texels along a face of procedural weather, a power of two; 512 is 20 km.
