@@ -8,25 +8,24 @@ namespace nepho::test {
 namespace {
 
 /// Near the middle of a steep spectrum the 9 x 9 neighbourhood of an ordinate spans powers of ten, whatever the field:
-/// there the raw ratio tells the slope, not a lattice. So the test is on the spectrum divided by a smooth surface
-/// (prewhitened(), which keeps anything as narrow as a line), and the raw ratio is asserted where slopes are gentle,
-/// from 12 cycles a window on. Both, and the raw one from 3 cycles on, are printed.
+/// there the raw ratio tells the slope. So an ordinate counts by the smaller of its raw ratio and that of the
+/// prewhitened spectrum (highest_true_line()); where slopes are gentle, from 12 cycles a window on, the raw one is
+/// asserted too. A lattice-free field of this size gives 1.3 with 225 windows, 1.8 with 81 (statistics_test.cpp).
 constexpr double kLeast = 3.0, kGentle = 12.0;
 constexpr double kLimit = 3.0;
 
-std::string check_spectrum(const std::string& what, const Spectrum& spectrum, double pixel_m, bool raw_too) {
-  const LatticeLine flat = highest_line(prewhitened(spectrum), kLeast), raw = highest_line(spectrum, kLeast),
+std::string check_spectrum(const std::string& what, const Spectrum& spectrum, double pixel_m, bool raw_too = true) {
+  const LatticeLine line = highest_true_line(spectrum, kLeast), raw = highest_line(spectrum, kLeast),
                     gentle = highest_line(spectrum, kGentle);
   const double wave_m = static_cast<double>(spectrum.size) * pixel_m /
-                        std::hypot(static_cast<double>(flat.kx), static_cast<double>(flat.ky));
+                        std::hypot(static_cast<double>(line.kx), static_cast<double>(line.ky));
   char text[300];
-  std::snprintf(text, sizeof text,
-                "%s, %zu windows of %zu: %.2f prewhitened (at %ld, %ld: %.0f m), raw %.2f from 12 cycles, %.2f from 3",
-                what.c_str(), spectrum.windows, spectrum.size, flat.ratio, flat.kx, flat.ky, wave_m, gentle.ratio,
-                raw.ratio);
+  std::snprintf(
+      text, sizeof text, "%s, %zu windows of %zu: %.2f (at %ld, %ld: %.0f m); raw %.2f from 12 cycles, %.2f from 3",
+      what.c_str(), spectrum.windows, spectrum.size, line.ratio, line.kx, line.ky, wave_m, gentle.ratio, raw.ratio);
   CAPTURE(what);
   CHECK(spectrum.windows >= 64);
-  CHECK(flat.ratio <= kLimit);
+  CHECK(line.ratio <= kLimit);
   if (raw_too) CHECK(gentle.ratio <= kLimit);
   return text;
 }
@@ -42,7 +41,7 @@ TEST_CASE(
     "summit of its autocorrelation beyond 20 km more prominent than 0.2") {
   GpuFixture gpu;
   constexpr double kSide_m = 400e3;
-  const size_t pixels = full_size() ? 1024 : 256;
+  const size_t pixels = full_size() ? 1024 : 512;
   const Place places[] = {{35.5, 138.7}, {-8.0, -60.0}, {61.0, 20.0}};
   std::vector<Case> cases = {{"cumulus", places[0]}};
   if (full_size()) {
@@ -56,9 +55,9 @@ TEST_CASE(
     const Grid image = depth_grid(probe, c.place, kSide_m, pixels, kSide_m / static_cast<double>(pixels));
     const std::string what = std::string(c.genus) + " at " + std::to_string(static_cast<int>(c.place.lat_deg));
     const double pixel_m = kSide_m / static_cast<double>(pixels);
-    MESSAGE(check_spectrum(what, hann_spectrum(image, pixels / 8, pixels / 16), pixel_m, true));
+    MESSAGE(check_spectrum(what, hann_spectrum(image, pixels / 8, pixels / 16), pixel_m));
     // Longer waves: fewer windows, though more than 64.
-    if (full_size()) MESSAGE(check_spectrum(what, hann_spectrum(image, pixels / 4, pixels * 3 / 32), pixel_m, true));
+    if (full_size()) MESSAGE(check_spectrum(what, hann_spectrum(image, pixels / 4, pixels * 3 / 32), pixel_m));
     const Summit summit = most_prominent(autocorrelation(image), 20e3 / pixel_m);
     MESSAGE(what, ": autocorrelation's most prominent summit beyond 20 km ", summit.prominence, " (height ",
             summit.height, ") at ", summit.distance * pixel_m * 1e-3, " km");
@@ -105,7 +104,7 @@ TEST_CASE("gpu: horizontal and vertical slices of density at 20 m have no line i
                            kPixel_m, true));
     if (full_size())
       MESSAGE(check_spectrum(std::string(genus) + ", horizontal slice",
-                             hann_spectrum(flat, pixels / 4, pixels * 3 / 32), kPixel_m, true));
+                             hann_spectrum(flat, pixels / 4, pixels * 3 / 32), kPixel_m));
     // Layers are thinner than 41 km: the vertical slice lies in strips as high as the layer, each 7 km north of the one
     // before, to as many pixels in all. What changes with height on average is no lattice: it is taken out of each row.
     const size_t rows = 32;  // 640 m

@@ -189,26 +189,45 @@ Spectrum prewhitened(const Spectrum& spectrum) {
   return flat;
 }
 
-LatticeLine highest_line(const Spectrum& spectrum, double least_cycles) {
+namespace {
+
+double ratio_at(const Spectrum& spectrum, size_t kx, size_t ky) {
   const size_t n = spectrum.size;
-  LatticeLine highest;
-  std::vector<double> around;
+  std::array<double, 81> around{};
+  size_t count = 0;
+  for (size_t dy = 0; dy < 9; ++dy)
+    for (size_t dx = 0; dx < 9; ++dx) {
+      const double p = spectrum.at((kx + n + dx - 4) % n, (ky + n + dy - 4) % n);
+      if (p > 0.0) around[count++] = p;
+    }
+  if (count == 0) return 0.0;
+  std::nth_element(around.begin(), around.begin() + count / 2, around.begin() + count);
+  return spectrum.at(kx, ky) / around[count / 2];
+}
+
+template <typename Ratio>
+LatticeLine highest(size_t n, double least_cycles, Ratio&& ratio) {
+  LatticeLine line;
   for (size_t ky = 0; ky <= n / 2; ++ky)  // the other half is its mirror image
     for (size_t kx = 0; kx < n; ++kx) {
       const long fx = signed_frequency(kx, n), fy = signed_frequency(ky, n);
       if (std::hypot(static_cast<double>(fx), static_cast<double>(fy)) < least_cycles) continue;
-      around.clear();
-      for (size_t dy = 0; dy < 9; ++dy)
-        for (size_t dx = 0; dx < 9; ++dx) {
-          const double p = spectrum.at((kx + n + dx - 4) % n, (ky + n + dy - 4) % n);
-          if (p > 0.0) around.push_back(p);
-        }
-      if (around.empty()) continue;
-      std::nth_element(around.begin(), around.begin() + static_cast<long>(around.size() / 2), around.end());
-      const double ratio = spectrum.at(kx, ky) / around[around.size() / 2];
-      if (ratio > highest.ratio) highest = {ratio, fx, fy};
+      const double found = ratio(kx, ky);
+      if (found > line.ratio) line = {found, fx, fy};
     }
-  return highest;
+  return line;
+}
+
+}  // namespace
+
+LatticeLine highest_line(const Spectrum& spectrum, double least_cycles) {
+  return highest(spectrum.size, least_cycles, [&](size_t kx, size_t ky) { return ratio_at(spectrum, kx, ky); });
+}
+
+LatticeLine highest_true_line(const Spectrum& spectrum, double least_cycles) {
+  const Spectrum flat = prewhitened(spectrum);
+  return highest(spectrum.size, least_cycles,
+                 [&](size_t kx, size_t ky) { return std::min(ratio_at(spectrum, kx, ky), ratio_at(flat, kx, ky)); });
 }
 
 Grid autocorrelation(const Grid& image) {

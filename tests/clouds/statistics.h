@@ -40,6 +40,9 @@ struct LatticeLine {
 };
 /// `least_cycles`: ordinates with fewer cycles a window are no candidates.
 LatticeLine highest_line(const Spectrum& spectrum, double least_cycles);
+/// The same where an ordinate's ratio is the smaller of the raw and the prewhitened one: slopes make only the former
+/// large, misfits of the smooth surface only the latter, lines both.
+LatticeLine highest_true_line(const Spectrum& spectrum, double least_cycles);
 
 /// Autocorrelation for lags up to half the image's sides, 1 at lag 0, of the image with mean and plane removed; each
 /// lag divided by the number of its pairs. Pixel (x, y) is the lag (x - width / 2, y - height / 2).
