@@ -69,7 +69,7 @@ struct CloudNoiseParams {
 struct WeatherParams {
   std::string source = "procedural";  ///< procedural; raster: a map of the globe; tile: a tileable RGBA texture
   std::string file;                   ///< of raster and tile
-  uint32_t seed = 7;                  ///< another number, another planet's weather, and other noise
+  uint32_t seed = 12;                 ///< another number, another planet's weather, and other noise
   double contrast = 0.75;  ///< procedural: how far it departs from the means, 0..0.95; 0 the same everywhere
   double mean_coverage_r = 0.40;  ///< procedural: mean over the globe of the low clouds, 0..1
   double mean_coverage_g = 0.25;  ///< of the middle clouds

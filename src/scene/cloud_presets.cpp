@@ -15,9 +15,9 @@ constexpr DensityProfile kDeepTower{.linear_term = 0.5, .constant_term = 0.5};  
 
 CloudLayer cumulus() {
   return {
-      .base_m = 1200.0,
+      .base_m = 1000.0,
       .base_reference = "terrain",
-      .thickness_m = 1700.0,
+      .thickness_m = 1400.0,
       .coverage_filter_width = 0.12,
       .top_relief = 1.15,
       .cell_size_m = 2500.0};
