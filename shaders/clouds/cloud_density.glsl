@@ -45,7 +45,7 @@ const float kEdge = 0.02;             // softness of a resolved edge
 // A mip with texels T, filtered linearly, averages like a box of sqrt(3) T: which mip is a footprint's.
 const float kFilterBias = -0.79;
 const float kNoiseRange = 4.0;        // textures hold -range..range standard deviations
-const float kMesoBend_m = 2.5e3;      // per standard deviation: how far one field bends the lattice of the next
+const float kMesoBend_m = 3.5e3;      // per standard deviation: how far one field bends the lattice of the next
 const float kCellSlant = 0.3;        // height that cells change their form over, against their size on the ground
 const float kPoleCalm = 0.0025;       // winds fade within some 300 km of the poles, where east has no direction
 

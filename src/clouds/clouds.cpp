@@ -66,7 +66,7 @@ shared::CloudLayerConstants layer_constants(const CloudLayer& layer, uint32_t sl
   // Half a small billow, or a tenth of an optical depth where that is longer.
   c.step_m = f(std::max(36.0 * std::sqrt(layer.cell_size_m / 2500.0),
                         std::min(0.1 / std::max(static_cast<double>(c.extinction_per_m), 1e-6), 250.0)));
-  c.bend_m = glm::vec2(f(std::max(0.4 * layer.cell_size_m, 500.0)), f(0.07 * layer.cell_size_m));
+  c.bend_m = glm::vec2(1500.0f, f(0.07 * layer.cell_size_m));
   for (int i = 0; i < 16; ++i) c.thresholds[i] = shared::kThresholdFirst + shared::kThresholdStep * f(i);
   c.slot = slot;
   return c;
