@@ -33,7 +33,8 @@ TEST_CASE(
         near.push_back({.point = point, .camera = patch.at(east + 1.0, north, height), .time_s = time});
         middle.push_back({.point = point, .camera = patch.at(east + 6e3, north - 8e3, height), .time_s = time});
         far.push_back({.point = point, .camera = patch.at(east, north, 1e7), .time_s = time});
-        beside.push_back({.point = patch.at(east + 2.0, north, height),
+        // Two metres aslant: fibres of cirrus hardly change eastwards.
+        beside.push_back({.point = patch.at(east + 1.2, north + 1.2, height + 1.1),
                           .camera = patch.at(east + 1.0, north, height),
                           .time_s = time});
       }

@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <glm/vec4.hpp>
 
 #include "clouds/cloud_march_pass.h"
 #include "clouds/cloud_probe.h"
+#include "clouds/statistics.h"
 #include "geo/frames.h"
 #include "geo/planet_view.h"
 #include "gpu/gpu_fixture.h"
@@ -148,6 +150,117 @@ TEST_CASE(
   CHECK(close(centre(35786e3, -90.0, 1e-3), 2.0));
   CHECK(close(centre(2.0, 30.0, 5e-4), 2.0));
   CHECK(centre(20e3, 10.0, 1e-3) == 1.0f);
+}
+
+TEST_CASE("gpu: layers far apart in height add up, seen from below, above and between, and the gap costs no samples") {
+  CloudFixture f;
+  // Even decks: full cover, no relief, no carving, the same density all through.
+  CloudParams params;
+  params.coverage = 1.0;
+  const CloudLayer low{.base_m = 1000.0,
+                       .thickness_m = 500.0,
+                       .density_scale = 0.05,
+                       .density_profile = {.linear_term = 0.0, .constant_term = 1.0},
+                       .shape_amount = 0.0,
+                       .detail_amount = 0.0,
+                       .top_relief = 0.0,
+                       .cover_optical_depth = 0.1};
+  CloudLayer high = low;
+  high.base_m = 9000.0;
+  high.density_scale = 0.02;
+  struct Deck {
+    Clouds clouds;
+    CloudMarchPass march;
+    Deck(CloudFixture& f, const CloudParams& params)
+        : clouds(f.device, params), march(f.device, clouds, f.atmosphere.spectral_groups()) {}
+  };
+  params.layers = {low};
+  const Deck only_low(f, params);
+  params.layers = {high};
+  const Deck only_high(f, params);
+  params.layers = {low, high};
+  const Deck two(f, params);
+  const auto march = [&](const Deck& deck, double height_m, double pitch_deg) {
+    const View v{.height_m = height_m, .pitch_deg = pitch_deg, .fov_deg = 1.0, .size = {9, 9}};
+    const Picture p = f.render(v, deck.clouds, deck.march);
+    return std::array<double, 2>{-std::log(static_cast<double>(p.at(4, 4, 9)[3])),
+                                 static_cast<double>(p.info[4 * 40 + 3])};
+  };
+  for (const double pitch : {90.0, -90.0}) {
+    const double height = pitch > 0.0 ? 2.0 : 20e3;
+    const auto a = march(only_low, height, pitch), b = march(only_high, height, pitch),
+               both = march(two, height, pitch);
+    CHECK(a[0] == doctest::Approx(0.05 * 0.04 * 500.0).epsilon(0.15));
+    CHECK(b[0] == doctest::Approx(0.02 * 0.04 * 500.0).epsilon(0.15));
+    CHECK(both[0] == doctest::Approx(a[0] + b[0]).epsilon(0.02));
+    // info.w: steps + 1024 x samples.
+    const double samples = std::floor(both[1] / 1024.0);
+    const double apart = std::floor(a[1] / 1024.0) + std::floor(b[1] / 1024.0);
+    CHECK(samples <= apart + 4.0);
+  }
+  CHECK(march(two, 5000.0, 90.0)[0] == doctest::Approx(march(only_high, 5000.0, 90.0)[0]).epsilon(0.02));
+  CHECK(march(two, 5000.0, -90.0)[0] == doctest::Approx(march(only_low, 5000.0, -90.0)[0]).epsilon(0.02));
+}
+
+TEST_CASE("gpu: pictures from 400 km and from 4000 km of the same ground have the same transmittance") {
+  CloudFixture f;
+  for (const std::string genus : {"cumulus", "cirrus"}) {
+    CAPTURE(genus);
+    CloudParams params;
+    params.coverage = 0.5;
+    params.layers = {cloud_genus(genus).value()};
+    params.layers[0].base_reference = "ellipsoid";
+    const Clouds clouds(f.device, params);
+    const CloudMarchPass march(f.device, clouds, f.atmosphere.spectral_groups());
+    // 60 km of the layer's middle: pixels of 625 m from both heights, the lower picture averaged from 16 times as many.
+    const uint32_t side = 96;
+    const double middle_m = params.layers[0].base_m + 0.4 * params.layers[0].thickness_m;
+    const auto picture = [&](double height_m, uint32_t pixels) {
+      const View v{.lat_deg = -12.0,
+                   .lon_deg = 30.0,
+                   .height_m = height_m,
+                   .heading_deg = 0.0,
+                   .pitch_deg = -90.0,
+                   .fov_deg = 2.0 * deg_from_rad(std::atan(30e3 / (height_m - middle_m))),
+                   .size = {pixels, pixels}};
+      return f.render(v, clouds, march);
+    };
+    const Picture near = picture(400e3, 4 * side), far = picture(4000e3, side);
+    std::vector<double> a, b;
+    // A margin: rays from 400 km lean by 4 degrees at the rim, where parallax shifts tops.
+    for (uint32_t y = 8; y < side - 8; ++y)
+      for (uint32_t x = 8; x < side - 8; ++x) {
+        double mean_of_box = 0.0;
+        for (uint32_t i = 0; i < 16; ++i)
+          mean_of_box += static_cast<double>(near.at(4 * x + i % 4, 4 * y + i / 4, 4 * side)[3]) / 16.0;
+        a.push_back(mean_of_box);
+        b.push_back(static_cast<double>(far.at(x, y, side)[3]));
+      }
+    // The truth: columns at the pixels of the higher picture, inside the same margin.
+    const dmat4 ecef_from_enu = make_ecef_from_enu(Geodetic::from_degrees(-12.0, 30.0));
+    std::vector<CloudProbe::Case> columns;
+    for (uint32_t y = 8; y < side - 8; ++y)
+      for (uint32_t x = 8; x < side - 8; ++x) {
+        const double east = (x + 0.5 - 0.5 * side) * 60e3 / side, north = (0.5 * side - y - 0.5) * 60e3 / side;
+        Geodetic at = geodetic_from_ecef(dvec3(ecef_from_enu * glm::dvec4(east, north, 0.0, 1.0)));
+        at.height_m = 0.0;
+        columns.push_back({.point = at, .camera = {}, .time_s = 0.0, .footprint_m = 156.0});
+      }
+    CloudProbe probe(f.device, clouds);
+    std::vector<double> truth;
+    for (const CloudProbe::Column& c : probe.column(columns))
+      truth.push_back(1.0 - std::exp(-static_cast<double>(c.optical_depth.x)));
+    std::vector<double> opacity;
+    for (const double t : b) opacity.push_back(1.0 - t);
+    MESSAGE(genus, ": mean opacity of columns ", test::mean(truth), ", correlation with 4,000 km ",
+            test::correlation(truth, opacity));
+    const double alike = test::correlation(a, b), ratio = (1.0 - test::mean(b)) / (1.0 - test::mean(a));
+    MESSAGE(genus, ": correlation ", alike, ", mean opacity from 400 km ", 1.0 - test::mean(a), ", from 4,000 km ",
+            1.0 - test::mean(b));
+    CHECK(alike >= 0.97);
+    CHECK(std::abs(ratio - 1.0) < 0.05);
+    CHECK(std::abs(test::mean(opacity) - test::mean(truth)) < 0.05);
+  }
 }
 
 TEST_CASE("gpu: pictures are finite, transmittances within 0..1, and the same twice") {

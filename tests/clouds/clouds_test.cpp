@@ -5,6 +5,7 @@
 
 #include "clouds/cloud_noise.h"
 #include "clouds/clouds_shared.h"
+#include "clouds/volume_tools.h"
 
 namespace nepho {
 namespace {
@@ -28,26 +29,41 @@ TEST_CASE("variance_left falls from 1 to 0") {
   CHECK(shared::variance_left(6.0f, 1.0f, 0.2f) == 0.0f);
 }
 
-TEST_CASE("a cell is widest at its waist, has a flat base and no end at the top") {
-  CHECK(shared::excess_needed(shared::kCellWaist) == 0.0f);
-  float last = 0.0f;
-  for (float eta = shared::kCellWaist; eta < 1.0f; eta += 0.01f) {
-    CHECK(shared::excess_needed(eta) >= last);
-    last = shared::excess_needed(eta);
+TEST_CASE(
+    "a cell is widest where eta = 0.5^(1 / bias), has a flat base and no end at the top; relief scales its outline") {
+  for (const float bias : {0.35f, 0.5f, 1.0f}) {
+    const float waist = std::pow(0.5f, 1.0f / bias);
+    CHECK(std::abs(shared::excess_needed(waist, bias, 1.15f, 0.0f)) < 1e-3f);
+    float last = 0.0f;
+    for (float eta = waist; eta < 1.0f; eta += 0.01f) {
+      const float need = shared::excess_needed(eta, bias, 1.15f, 0.0f);
+      CHECK(need >= last - 1e-4f);
+      CHECK(shared::excess_needed(eta, bias, 2.3f, 0.0f) == doctest::Approx(2.0 * need).epsilon(1e-4));
+      last = need;
+    }
+    CHECK(shared::excess_needed(1.0f, bias, 1.15f, 0.0f) > 5.0f);
   }
-  CHECK(shared::excess_needed(1.0f) > 10.0f);
-  // Flat: from the base's middle up to a level of 1 the height changes by less than 4 % of the layer.
-  CHECK(shared::excess_needed(0.05f - 1.0f / shared::kBaseSharpness) - shared::excess_needed(0.05f) >= 0.99f);
+  // Below the base only what exceeds by 40 deviations per layer thickness.
+  CHECK(shared::excess_needed(-0.1f, 1.0f, 0.0f, 0.0f) > 4.0f);
+}
+
+TEST_CASE("an anvil spreads beyond the tower below it, and ends at the layer's top") {
+  const float tower = shared::excess_needed(0.68f, 0.35f, 0.9f, 1.0f),
+              anvil = shared::excess_needed(0.85f, 0.35f, 0.9f, 1.0f);
+  CHECK(anvil < tower);
+  CHECK(shared::excess_needed(0.85f, 0.35f, 0.9f, 0.0f) > tower);
+  CHECK(shared::excess_needed(1.0f, 0.35f, 0.9f, 1.0f) > 2.0f);
 }
 
 TEST_CASE("cell_threshold covers the share of a normal field that is asked at the waist") {
   for (const float probit : {-1.5f, -0.3f, 0.4f, 1.2f, 3.0f})
-    CHECK(shared::cell_threshold(shared::kCellWaist, probit) == doctest::Approx(-probit));
-  // More coverage never needs more, and height never less.
-  for (float eta = 0.2f; eta < 0.95f; eta += 0.05f) {
-    CHECK(shared::cell_threshold(eta, 0.2f) <= shared::cell_threshold(eta, -0.2f));
-    CHECK(shared::cell_threshold(eta + 0.05f, 0.2f) >= shared::cell_threshold(eta, 0.2f));
-  }
+    CHECK(shared::cell_threshold(0.0f, probit) == doctest::Approx(-probit));
+  // More coverage never needs more, and more need never less.
+  for (float need = 0.0f; need < 3.0f; need += 0.1f)
+    for (float probit = -2.0f; probit < 3.0f; probit += 0.25f) {
+      CHECK(shared::cell_threshold(need, probit + 0.25f) <= shared::cell_threshold(need, probit));
+      CHECK(shared::cell_threshold(need + 0.1f, probit) >= shared::cell_threshold(need, probit));
+    }
 }
 
 TEST_CASE("the dual-lobe phase function integrates to 1 and has the mean cosine of its lobes") {
