@@ -1,11 +1,8 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <random>
 
-#include "clouds/cloud_noise.h"
 #include "clouds/clouds_shared.h"
-#include "clouds/volume_tools.h"
 
 namespace nepho {
 namespace {
@@ -79,26 +76,6 @@ TEST_CASE("the dual-lobe phase function integrates to 1 and has the mean cosine 
   }
   CHECK(std::abs(sum - 1.0) < 1e-3);
   CHECK(std::abs(cosine - ((1 - w) * g0 + w * g1)) < 1e-3);
-}
-
-TEST_CASE("normalise_volume gives mean 0 and variance 1, normal quantiles where asked; half_volume keeps the mean") {
-  std::vector<float> values(32 * 32 * 32);
-  std::mt19937 random(4);
-  for (float& v : values) v = static_cast<float>(random() % 1000) * static_cast<float>(random() % 1000);
-  for (const bool gaussian : {false, true}) {
-    std::vector<float> v = values;
-    normalise_volume(v, gaussian);
-    double mean = 0.0, square = 0.0;
-    size_t below = 0;
-    for (const float x : v) mean += x, square += static_cast<double>(x) * x, below += x < -1.0f;
-    const auto count = static_cast<double>(v.size());
-    CHECK(std::abs(mean / count) < 1e-4);
-    CHECK(std::abs(square / count - 1.0) < 1e-3);
-    if (gaussian) CHECK(std::abs(static_cast<double>(below) / count - 0.158655) < 1e-4);
-    double half_mean = 0.0;
-    for (const float x : half_volume(v, 32)) half_mean += x;
-    CHECK(std::abs(half_mean / (16.0 * 16 * 16) - mean / count) < 1e-6);
-  }
 }
 
 }  // namespace
