@@ -132,7 +132,7 @@ void main() {
     CloudColumn columns[kMaxLights];
     uint source_layers[kMaxLights];
     vec4 pending = vec4(0.0);
-    float pending_seen = 0.0;
+    float pending_seen = 0.0, last_seen = 0.0;
     int lights = 0;
     float light_share = mix(kLightShare, 0.45, coarse);
     vec3 wide = vec3(0.0);  // optical depths so far of the two wide lobes and of sky light
@@ -321,7 +321,8 @@ void main() {
         } while (todo != 0u);
 
         if (sigma > 0.0) {
-          step_m = min(step_m, (s < gap_s.x ? min(end, gap_s.x) : end) - s);
+          // The last stretch ends at the depth where the march does: its length must not show in the light.
+          step_m = min(min(step_m, (s < gap_s.x ? min(end, gap_s.x) : end) - s), (kDeepest - tau) / sigma + 0.01);
           float d_tau = sigma * step_m;
           float w = transmittance * (1.0 - exp(-d_tau));
           // Deep in a cloud light comes from all around; at its rim from one side.
@@ -340,6 +341,7 @@ void main() {
           lit = column;
           if (pending_seen > light_share && lights < kMaxLights) {
             sources[lights] = vec4(pending.x / pending_seen, pending.yzw);
+            last_seen = pending_seen;
             columns[lights] = column;
             source_layers[lights] = main_layer;
             ++lights;
@@ -363,7 +365,7 @@ void main() {
           near_s = far_s;
           far_s = max(far_s, s) + max(column_m, 2.0 * fine);
         }
-        if (tau > kDeepest || s >= end) {
+        if (tau >= kDeepest || s >= end) {
           s = end;
           break;
         }
@@ -377,7 +379,7 @@ void main() {
         source_layers[0] = main_layer;
         lights = 1;
       } else {
-        sources[lights - 1].yzw += pending.yzw;
+        sources[lights - 1] = vec4((sources[lights - 1].x * last_seen + pending.x) / (last_seen + pending_seen), sources[lights - 1].yzw + pending.yzw);
       }
     }
     // All lanes march towards the sun together here; within the loop above each step of one would have cost them all.

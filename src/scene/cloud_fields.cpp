@@ -53,7 +53,7 @@ void describe_body(FieldVisitor& v, CloudLayer& p) {
   v.leaf({.name = "base_m",
           .doc = "height of the base above base_reference",
           .unit = "m",
-          .range = closed(-500, 1e5),
+          .range = closed(-5000, 1e5),
           .term = "cloud base height",
           .other_names = "altitude"},
          &p.base_m);

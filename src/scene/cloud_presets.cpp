@@ -113,6 +113,15 @@ CloudLayer fog() {
           .cell_roundness = 0.2};
 }
 
+/// A sea of fog: from below the floors of the valleys up to a little above the smoothed ground.
+CloudLayer valley_fog() {
+  CloudLayer layer = fog();
+  layer.base_m = -700.0;
+  layer.thickness_m = 800.0;
+  layer.density_profile = kEven;
+  return layer;
+}
+
 struct Genus {
   const char* name;
   CloudLayer (*layer)();
@@ -143,7 +152,7 @@ const std::vector<Sky>& skies() {
       {"overcast", 1.0, {{stratus}, {altocumulus, 0.6}}},
       {"storm", 0.4, {{cumulonimbus, 0.4}, {stratocumulus, 1.5}, {cirrus}}},
       {"high-cirrus", 0.6, {{cirrus}}},
-      {"valley-fog", 0.7, {{fog}, {cirrus, 0.25}}},
+      {"valley-fog", 0.8, {{valley_fog}, {cirrus, 0.25}}},
   };
   return all;
 }
