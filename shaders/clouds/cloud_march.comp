@@ -230,7 +230,7 @@ void main() {
             ++samples;
             float apart_m = kLevelStep * CLOUD.layers[l].cell_size_m;
             if (inside && reach > 0.0) dense |= 1u << l;
-            else step_m = min(step_m, inside ? clamp(-reach * apart_m, fine, fine + 0.08 * t + 0.5 * apart_m) : fine);
+            else step_m = min(step_m, inside ? clamp(-reach * apart_m, fine, max(fine, min(fine + 0.08 * t + 0.5 * apart_m, 0.1 * crossings * cap))) : fine);
           }
           todo &= todo - 1u;
         } while (todo != 0u);
@@ -313,7 +313,7 @@ void main() {
               else
                 advance_m = clamp(-level * apart_m, 0.4 * fine, 4.0 * fine);
             } else {
-              advance_m = clamp(-reach * apart_m, fine, fine + 0.08 * t + 0.5 * apart_m);
+              advance_m = clamp(-reach * apart_m, fine, max(fine, min(fine + 0.08 * t + 0.5 * apart_m, 0.1 * crossings * cap)));
             }
           }
           step_m = min(step_m, advance_m);
