@@ -16,8 +16,8 @@ const int kMaxSteps = 256;
 const int kSearchSteps = 6, kMarchSteps = 4;  // of one kind before the other has its turn
 const int kModeSearch = 0, kModeAhead = 1, kModeMarch = 2;
 const int kPlaces = 8;              // readings of the weather map along a ray
-const int kMaxLights = 6;           // points of a ray that look for the sun
-const float kLightShare = 0.20;     // about how much of what the ray sees each stands for
+const int kMaxLights = 4;           // points of a ray that look for the sun
+const float kLightShare = 0.32;     // about how much of what the ray sees each stands for
 const float kOpaque = 1.0e-3;       // transmittance at which nothing behind matters
 const float kDeepest = 8.0;         // optical depth at which the wide lobes are used up too
 const float kLevelStep = 0.16;      // a level of -1 is about this many cells from a cloud, at least
