@@ -8,10 +8,9 @@
 
 namespace nepho {
 
-/// Marches the cloud layers for every pixel (shaders/clouds/cloud_march.comp, docs/clouds.md), then lights what it found
-/// (cloud_shade.comp).
-/// Reads the distance to the surface, the atmosphere's tables, the weather maps and the noise volumes.
-/// Writes luminance + transmittance and per-pixel facts. With nothing to draw it only clears its outputs.
+/// Marches the cloud layers for every pixel (shaders/clouds/cloud_march.comp, docs/clouds.md), then lights what it
+/// found (cloud_shade.comp). Reads the distance to the surface, the atmosphere's tables, the weather maps and the noise
+/// volumes. Writes luminance + transmittance and per-pixel facts. With nothing to draw it only clears its outputs.
 class CloudMarchPass {
  public:
   struct Inputs {
@@ -27,7 +26,8 @@ class CloudMarchPass {
     /// dominant layer (0 none, 1..4: its place in CloudParams::layers); march steps + 1024 x samples of density.
     ImageRef info;
   };
-  /// `clouds` must outlive the pass. `spectral_groups`: AtmosphereTables::spectral_groups() of the tables that add() gets.
+  /// `clouds` must outlive the pass. `spectral_groups`: AtmosphereTables::spectral_groups() of the tables that add()
+  /// gets.
   CloudMarchPass(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups);
   Outputs add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in) const;
 

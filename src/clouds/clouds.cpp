@@ -189,7 +189,8 @@ void Clouds::calibrate(gpu::Device& device) {
     }
     if (critical[kCalibrationColumns / 2] > 5.5f) {
       log_warning(
-          "clouds.layers[{}]: its columns do not reach the optical depth {} that counts as covered; raise density_scale "
+          "clouds.layers[{}]: its columns do not reach the optical depth {} that counts as covered; raise "
+          "density_scale "
           "or thickness_m, or lower cover_optical_depth",
           constants_.layers[l].slot, constants_.layers[l].cover_optical_depth);
       for (int i = 0; i < 16; ++i)

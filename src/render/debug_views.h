@@ -10,8 +10,8 @@ namespace nepho {
 /// Names of the false-colour pictures that RenderRequest::debug takes; docs/debug_views.md has their legends.
 std::vector<std::string> known_debug_views();
 
-/// Draws one of them from what the march left. Reads the clouds' radiance and facts, the distance to the surface and the
-/// cloud density. Writes rgba8, sRGB values.
+/// Draws one of them from what the march left. Reads the clouds' radiance and facts, the distance to the surface and
+/// the cloud density. Writes rgba8, sRGB values.
 class DebugViewPass {
  public:
   /// `clouds` must outlive the pass.

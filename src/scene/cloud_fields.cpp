@@ -376,7 +376,8 @@ void describe(FieldVisitor& v, CloudParams& p) {
         return sky.has_value();
       });
   v.leaf({.name = "coverage",
-          .doc = "the same weather everywhere, of this coverage: vertically projected share of the sky whose optical depth is above "
+          .doc = "the same weather everywhere, of this coverage: vertically projected share of the sky whose optical "
+                 "depth is above "
                  "cover_optical_depth; 0 is clear; null: the weather's own",
           .range = share(),
           .term = "cloud fraction",

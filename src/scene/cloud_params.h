@@ -24,18 +24,20 @@ struct CloudLayer {
   double base_m = 1500.0;             ///< height of the base above `base_reference`, m
   std::string base_reference = "ellipsoid";  ///< ellipsoid, msl (geoid), terrain (ground smoothed over some 20 km)
   double thickness_m = 1600.0;               ///< m, >= 0; 0 leaves the layer out
-  double density_scale = 1.0;                ///< times the scattering and absorption coefficients, >= 0; 0 leaves it out
+  double density_scale = 1.0;  ///< times the scattering and absorption coefficients, >= 0; 0 leaves it out
   DensityProfile density_profile = {};
-  double shape_amount = 1.0;           ///< 0..1: how much the shape noise carves and swells
-  double detail_amount = 0.5;          ///< 0..1: how much the detail noise works on edges
-  double weather_exponent = 1.0;       ///< a weather map's value v means the coverage v^exponent, > 0
-  double shape_altering_bias = 0.35;   ///< where the cloud is widest: eta = 0.5^(1 / bias), > 0
-  double coverage_filter_width = 0.12;  ///< standard deviations of the field from a cloud's edge to its full density, > 0
-  double top_relief = 1.15;  ///< standard deviations by which a cell must exceed the edge to fill 63 % of the layer, >= 0
-  double anvil_amount = 0.0;  ///< 0..1: how much wider the top fifth is than the tower below it
-  double cell_size_m = 2500.0;  ///< distance between neighbouring cells, m
-  double cell_roundness = 1.0;  ///< 0 a fractal field, 1 rounded cells with creases between
-  double stretch = 1.0;         ///< elongation of cells and noise along parallels: 1 none; 8 the fibres of cirrus
+  double shape_amount = 1.0;          ///< 0..1: how much the shape noise carves and swells
+  double detail_amount = 0.5;         ///< 0..1: how much the detail noise works on edges
+  double weather_exponent = 1.0;      ///< a weather map's value v means the coverage v^exponent, > 0
+  double shape_altering_bias = 0.35;  ///< where the cloud is widest: eta = 0.5^(1 / bias), > 0
+  double coverage_filter_width =
+      0.12;  ///< standard deviations of the field from a cloud's edge to its full density, > 0
+  double top_relief =
+      1.15;  ///< standard deviations by which a cell must exceed the edge to fill 63 % of the layer, >= 0
+  double anvil_amount = 0.0;         ///< 0..1: how much wider the top fifth is than the tower below it
+  double cell_size_m = 2500.0;       ///< distance between neighbouring cells, m
+  double cell_roundness = 1.0;       ///< 0 a fractal field, 1 rounded cells with creases between
+  double stretch = 1.0;              ///< elongation of cells and noise along parallels: 1 none; 8 the fibres of cirrus
   double cover_optical_depth = 1.0;  ///< vertical optical depth from which sky counts as covered: 1; cirrus 0.1
   bool casts_shadow = true;
   double wind_east_mps = 0.0;           ///< of the layer's base, m/s
@@ -48,20 +50,20 @@ struct CloudLayer {
 
 /// A tileable noise volume: made on the GPU, or read from a file (docs/cloud_noise.md).
 struct NoiseTextureParams {
-  std::string file = {};           ///< empty: the built-in one
-  double period_m = 6130.0;        ///< distance after which it repeats, m ("repeat" of other libraries: 1 / period)
-  glm::dvec3 offset{0.0};          ///< shift along its own axes, in periods
-  glm::dvec3 velocity_mps{0.0};    ///< east, north, up, relative to the layer's wind, m/s
-  double displacement_m = 0.0;     ///< how far turbulence moves its lookups, m
+  std::string file = {};         ///< empty: the built-in one
+  double period_m = 6130.0;      ///< distance after which it repeats, m ("repeat" of other libraries: 1 / period)
+  glm::dvec3 offset{0.0};        ///< shift along its own axes, in periods
+  glm::dvec3 velocity_mps{0.0};  ///< east, north, up, relative to the layer's wind, m/s
+  double displacement_m = 0.0;   ///< how far turbulence moves its lookups, m
   bool operator==(const NoiseTextureParams&) const = default;
 };
 
 /// The textures that give clouds their form.
 struct CloudNoiseParams {
-  NoiseTextureParams shape{.period_m = 6130.0, .displacement_m = 70.0};   ///< 128^3 Perlin-Worley
-  NoiseTextureParams detail{.period_m = 497.0, .displacement_m = 30.0};    ///< 32^3 Worley
-  NoiseTextureParams turbulence{.period_m = 2390.0};                       ///< 64^3, a divergence-free vector
-  std::string blue_noise_file;                                            ///< empty: the built-in one, 64 x 64 x 16
+  NoiseTextureParams shape{.period_m = 6130.0, .displacement_m = 70.0};  ///< 128^3 Perlin-Worley
+  NoiseTextureParams detail{.period_m = 497.0, .displacement_m = 30.0};  ///< 32^3 Worley
+  NoiseTextureParams turbulence{.period_m = 2390.0};                     ///< 64^3, a divergence-free vector
+  std::string blue_noise_file;                                           ///< empty: the built-in one, 64 x 64 x 16
   bool operator==(const CloudNoiseParams&) const = default;
 };
 
@@ -70,14 +72,14 @@ struct WeatherParams {
   std::string source = "procedural";  ///< procedural; raster: a map of the globe; tile: a tileable RGBA texture
   std::string file;                   ///< of raster and tile
   uint32_t seed = 12;                 ///< another number, another planet's weather, and other noise
-  double contrast = 0.75;  ///< procedural: how far it departs from the means, 0..0.95; 0 the same everywhere
-  double mean_coverage_r = 0.40;  ///< procedural: mean over the globe of the low clouds, 0..1
-  double mean_coverage_g = 0.25;  ///< of the middle clouds
-  double mean_coverage_b = 0.30;  ///< of the high clouds
-  double mean_coverage_a = 0.06;  ///< of deep convection
-  double drift_east_mps = 0.0;    ///< the map turns about the polar axis, m/s at the equator, since 2000-01-01T12:00Z
-  double tile_period_m = 300e3;   ///< tile: distance after which the texture repeats, m
-  glm::dvec3 tile_offset{0.0};    ///< tile: shift along ECEF axes, in periods
+  double contrast = 0.75;             ///< procedural: how far it departs from the means, 0..0.95; 0 the same everywhere
+  double mean_coverage_r = 0.40;      ///< procedural: mean over the globe of the low clouds, 0..1
+  double mean_coverage_g = 0.25;      ///< of the middle clouds
+  double mean_coverage_b = 0.30;      ///< of the high clouds
+  double mean_coverage_a = 0.06;      ///< of deep convection
+  double drift_east_mps = 0.0;   ///< the map turns about the polar axis, m/s at the equator, since 2000-01-01T12:00Z
+  double tile_period_m = 300e3;  ///< tile: distance after which the texture repeats, m
+  glm::dvec3 tile_offset{0.0};   ///< tile: shift along ECEF axes, in periods
   bool operator==(const WeatherParams&) const = default;
 };
 
@@ -89,14 +91,14 @@ struct CloudParams {
   std::vector<CloudLayer> layers = {CloudLayer{}};  ///< up to four, marched together
   WeatherParams weather;
   CloudNoiseParams noise;
-  double scattering_per_m = 0.04;  ///< scattering coefficient at density 1, 1/m, >= 0
-  double absorption_per_m = 0.0;   ///< absorption coefficient at density 1, 1/m, >= 0
-  double phase_g_forward = 0.85;   ///< forward Henyey-Greenstein lobe, (-1, 1)
-  double phase_g_backward = -0.2;  ///< backward lobe
+  double scattering_per_m = 0.04;      ///< scattering coefficient at density 1, 1/m, >= 0
+  double absorption_per_m = 0.0;       ///< absorption coefficient at density 1, 1/m, >= 0
+  double phase_g_forward = 0.85;       ///< forward Henyey-Greenstein lobe, (-1, 1)
+  double phase_g_backward = -0.2;      ///< backward lobe
   double phase_backward_weight = 0.1;  ///< 0..1
   double sky_light_scale = 1.0;        ///< times the light that the sky throws on clouds, 0..10
   double ground_bounce_scale = 1.0;    ///< times the light that the ground throws back, 0..10
-  double uniform_density = 0.0;  ///< > 0: the first layer is an even slab of this density; tests of the march
+  double uniform_density = 0.0;        ///< > 0: the first layer is an even slab of this density; tests of the march
   bool operator==(const CloudParams&) const = default;
 };
 

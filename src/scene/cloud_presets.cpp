@@ -14,13 +14,12 @@ constexpr DensityProfile kDensestAtGround{.linear_term = -0.75, .constant_term =
 constexpr DensityProfile kDeepTower{.linear_term = 0.5, .constant_term = 0.5};  // ice aloft holds less than its adiabat
 
 CloudLayer cumulus() {
-  return {
-      .base_m = 1000.0,
-      .base_reference = "terrain",
-      .thickness_m = 1400.0,
-      .coverage_filter_width = 0.12,
-      .top_relief = 1.15,
-      .cell_size_m = 2500.0};
+  return {.base_m = 1000.0,
+          .base_reference = "terrain",
+          .thickness_m = 1400.0,
+          .coverage_filter_width = 0.12,
+          .top_relief = 1.15,
+          .cell_size_m = 2500.0};
 }
 
 CloudLayer stratus() {

@@ -74,7 +74,8 @@ TEST_CASE("every genus and every sky of the lists is known and valid, other name
     REQUIRE(cloud_genus(name).has_value());
     const CloudParams alone = cloud_sky(name).value();
     CHECK(alone.layers == std::vector<CloudLayer>{*cloud_genus(name)});
-    CHECK(alone.coverage == 0.4);
+    REQUIRE(alone.coverage.has_value());
+    CHECK(*alone.coverage > 0.0);
   }
   for (const char* name : {"", "Cumulus", "fair", "nimbostratus"}) CHECK_FALSE(cloud_genus(name).has_value());
   for (const char* name : {"", "stormy"}) CHECK_FALSE(cloud_sky(name).has_value());

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "rasters/gdal_opener.h"
 #include "render/shared_data.h"
@@ -163,19 +164,25 @@ TEST_CASE("gpu: a tile keeps its channels, of any size, and its mips are means")
   CHECK(map.tile().desc().extent.width == 5);
   CHECK(map.tile().desc().extent.height == 3);
   REQUIRE(map.tile().desc().mip_levels == 3);
-  const std::vector<std::byte> texels = gpu.device.download(map.tile());
+  const auto words_of = [&](uint32_t mip) {
+    const std::vector<std::byte> bytes = gpu.device.download(map.tile(), mip);
+    std::vector<uint16_t> words(bytes.size() / 2);
+    std::memcpy(words.data(), bytes.data(), bytes.size());
+    return words;
+  };
+  const std::vector<uint16_t> texels = words_of(0);
   for (size_t i = 0; i < 15; ++i) {
-    CHECK(static_cast<int>(texels[i * 4]) == static_cast<int>(static_cast<float>(i) / 14.0f * 255.0f + 0.5f));
-    CHECK(static_cast<int>(texels[i * 4 + 1]) == 51);
-    CHECK(static_cast<int>(texels[i * 4 + 3]) == 255);
+    CHECK(std::abs(texels[i * 4] / 65535.0 - static_cast<double>(i) / 14.0) < 1e-5);
+    CHECK(texels[i * 4 + 1] == 13107);
+    CHECK(texels[i * 4 + 3] == 65535);
   }
-  const std::vector<std::byte> last = gpu.device.download(map.tile(), 2);
-  CHECK(std::abs(static_cast<int>(last[0]) - 128) <= 1);
-  CHECK(static_cast<int>(last[2]) == 102);
+  const std::vector<uint16_t> last = words_of(2);
+  CHECK(std::abs(last[0] / 65535.0 - 0.5) < 0.005);
+  CHECK(std::abs(last[2] / 65535.0 - 0.4) < 1e-4);
   CHECK(sample_cube(gpu, map.coverage(), {{0, 0, 1, 0}})[0] == glm::vec4(1.0f));
   // One band goes to all channels.
   map.update(params, {.tile = make_field(4, 4, kGlobe, [](double, double) { return 0.6; })});
-  for (const std::byte b : gpu.device.download(map.tile(), 0)) CHECK(static_cast<int>(b) == 153);
+  for (const uint16_t word : words_of(0)) CHECK(std::abs(word / 65535.0 - 0.6) < 1e-4);
 }
 
 TEST_CASE("gpu: the ground of a plateau in the sea; smooth slopes; msl is the geoid") {
