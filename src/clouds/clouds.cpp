@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <span>
 
+#include "base/error.h"
 #include "base/log.h"
 #include "clouds/cloud_anchor.h"
 #include "clouds/cloud_calibrate.comp.h"
@@ -11,6 +14,7 @@
 #include "gpu/commands.h"
 #include "gpu/graph_executor.h"
 #include "gpu/pipeline.h"
+#include "weather/blob_cache.h"
 
 namespace nepho {
 namespace {
@@ -146,7 +150,36 @@ std::vector<uint32_t> Clouds::specialisation(uint32_t phases) const {
   return {0u, std::max(constants_.layer_count, 1u), phases, kind, ground ? 1u : 0u};
 }
 
+std::optional<uint64_t> Clouds::calibration_key() const {
+  const CloudNoiseParams& noise = params_.noise;
+  for (const std::string* file : {&noise.shape.file, &noise.detail.file, &noise.turbulence.file})
+    if (!file->empty()) return std::nullopt;  // a file may change behind its name
+  // What the calibration reads: all constants but camera and clock, where the lattices start, and the shader itself.
+  shared::CloudConstants constants = constants_;
+  constants.anchor = make_cloud_anchor(lattices_, params_, dvec3(0.0), 0.5 * kWindow_s);
+  const auto bytes = std::as_bytes(std::span(&constants, 1));
+  const auto shader = std::as_bytes(std::span(cloud_calibrate_comp));
+  return checksum_of(bytes.data(), bytes.size()) ^ (31 * checksum_of(shader.data(), shader.size()));
+}
+
 void Clouds::calibrate(gpu::Device& device) {
+  const std::optional<uint64_t> key = calibration_key();
+  const std::string file = key ? fmt::format("cloud_thresholds_{:016x}.bin", *key) : "";
+  constexpr size_t kBytes = sizeof(shared::CloudLayerConstants::thresholds);
+  if (key)
+    if (const auto cached = load_cached_blob(file, *key); cached && cached->size() == kBytes * constants_.layer_count) {
+      for (uint32_t l = 0; l < constants_.layer_count; ++l)
+        std::memcpy(constants_.layers[l].thresholds, cached->data() + l * kBytes, kBytes);
+      return;
+    }
+  if (!measure_thresholds(device) || !key) return;
+  std::vector<std::byte> blob(kBytes * constants_.layer_count);
+  for (uint32_t l = 0; l < constants_.layer_count; ++l)
+    std::memcpy(blob.data() + l * kBytes, constants_.layers[l].thresholds, kBytes);
+  store_cached_blob(file, *key, blob);
+}
+
+bool Clouds::measure_thresholds(gpu::Device& device) {
   const gpu::ComputePipeline pipeline(
       device, {.name = "clouds.calibrate", .spirv = cloud_calibrate_comp, .constants = specialisation(1)});
   // A camera at the Earth's centre: columns are anywhere, and their place to half a metre is enough.
@@ -177,6 +210,7 @@ void Clouds::calibrate(gpu::Device& device) {
   }
   gpu::GraphExecutor executor(device);
   executor.run(graph);
+  bool all_reach = true;
   for (uint32_t l = 0; l < constants_.layer_count; ++l) {
     std::vector<float> critical = executor.read<float>(results[l]);
     std::sort(critical.begin(), critical.end());
@@ -188,6 +222,7 @@ void Clouds::calibrate(gpu::Device& device) {
       thresholds[i] = critical[k] + static_cast<float>(at - static_cast<double>(k)) * (critical[k + 1] - critical[k]);
     }
     if (critical[kCalibrationColumns / 2] > 5.5f) {
+      all_reach = false;
       log_warning(
           "clouds.layers[{}]: its columns do not reach the optical depth {} that counts as covered; raise "
           "density_scale "
@@ -197,6 +232,7 @@ void Clouds::calibrate(gpu::Device& device) {
         thresholds[i] = shared::kThresholdFirst + shared::kThresholdStep * static_cast<float>(i);
     }
   }
+  return all_reach;
 }
 
 }  // namespace nepho

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "clouds/cloud_anchor.h"
@@ -43,7 +44,11 @@ class Clouds {
   }
 
  private:
+  /// Fills the layers' thresholds, from the disk cache where they are.
   void calibrate(gpu::Device& device);
+  std::optional<uint64_t> calibration_key() const;  ///< nothing: not to be cached
+  /// False when some layer is too thin to count as covered; that is warned of each time.
+  bool measure_thresholds(gpu::Device& device);
   CloudParams params_;
   CloudNoise noise_;
   WeatherMap weather_;
