@@ -19,7 +19,8 @@ float cloud_sun_transmittance(vec3 p_cam) {
   float b = r * climb;
   float log2_pixel = log2(max(frame.frame_data.pixel_angle_rad * length(p_cam), 1.0));
   float tau = 0.0;
-  for (uint l = 0u; l < LAYERS; ++l) {
+  for (uint k = 0u; k < CLOUD.caster_count; ++k) {
+    uint l = CLOUD.casters[k];
     // Weather and bases are those where the ray meets the middle of the layer.
     float middle_m = max(CLOUD.layers[l].base_m + 0.5 * CLOUD.layers[l].thickness_m - height_m, 0.0);
     float c_middle = middle_m * (2.0 * r + middle_m);
@@ -45,7 +46,7 @@ float cloud_sun_transmittance(vec3 p_cam) {
       float sigma = cloud_medium(l, c.density, level, unknown, 0.04, eta, exp2(log2_footprint)).sigma_per_m;
       if (eta > 0.0 && eta < 1.0) depth += sigma * step_m;
     }
-    tau += depth * CLOUD.layers[l].casts_shadow;
+    tau += depth;
   }
   return exp(-tau);
 }

@@ -10,10 +10,9 @@ SHARED_CONST uint kCloudLayers = 4u;
 
 // Where one noise is read: its lattice, turned, scaled and stretched against ECEF metres. Layers of one weather channel and
 // the same sizes have the same lattices, so that their clouds stand over each other.
-SHARED_CONST uint kDomainWarp = 0u;        // field, 1131 km: bends the regional lattice, so that no period shows
-SHARED_CONST uint kDomainTurbulence = 1u;  // turbulence: churns what is smaller
-SHARED_CONST uint kDomainTile = 2u;        // the weather tile, one repeat to 1
-SHARED_CONST uint kDomainOfLayer = 3u;     // the first of each layer's:
+SHARED_CONST uint kDomainTurbulence = 0u;  // turbulence: churns what is smaller
+SHARED_CONST uint kDomainTile = 1u;        // the weather tile, one repeat to 1
+SHARED_CONST uint kDomainOfLayer = 2u;     // the first of each layer's:
 SHARED_CONST uint kRegional = 0u;          // field, 60..3 km
 SHARED_CONST uint kMeso = 1u;              // field, 13..1 km at the size of cumulus
 SHARED_CONST uint kCell = 2u;              // cells: cell_size_m
@@ -21,7 +20,7 @@ SHARED_CONST uint kShape = 3u;             // shape
 SHARED_CONST uint kDetail = 4u;            // detail
 SHARED_CONST uint kFine = 5u;              // detail again, smaller
 SHARED_CONST uint kLayerDomains = 6u;
-SHARED_CONST uint kCloudDomains = 27u;  // kDomainOfLayer + kCloudLayers * kLayerDomains
+SHARED_CONST uint kCloudDomains = 26u;  // kDomainOfLayer + kCloudLayers * kLayerDomains
 SHARED_CONST uint kCloudPhases = 2u;
 
 struct CloudDomain {
@@ -32,7 +31,7 @@ struct CloudDomain {
 // What depends on camera and time. The pattern of a window of twelve hours is carried along by the wind and evolves from
 // the window's middle on; around a window's ends two patterns overlap (docs/clouds.md, 'Time').
 struct CloudAnchor {
-  vec3 offsets[54];          // per domain and phase: the camera's own coordinate, reduced modulo 1 in double
+  vec3 offsets[52];          // per domain and phase: the camera's own coordinate, reduced modulo 1 in double
   vec2 age_s;                // time since the middle of each phase's window
   vec2 weight;               // of each phase; their squares add to 1
   mat3 weather_from_ecef;    // turn of the weather map by its drift, scaled axes
@@ -53,7 +52,6 @@ struct CloudLayerConstants {
   float cover_optical_depth;
   float weather_exponent;
   float coverage_scale;
-  float casts_shadow;          // 1 or 0
   float geoid_weight;          // of the ground map's two heights in the base
   float ground_weight;
   float regional_weight;       // standard deviations of the fields; their squares add to 1
@@ -78,11 +76,13 @@ struct CloudFades {
 };
 
 struct CloudConstants {
-  CloudDomain domains[27];
+  CloudDomain domains[26];
   CloudLayerConstants layers[4];  // the drawing ones first
   CloudAnchor anchor;
   CloudFades fades;
   uint layer_count;
+  uint caster_count;              // of the layers that cast shadows
+  uint casters[4];
   float hull_low_m, hull_high_m;  // geodetic heights between which all clouds are
   float uniform_coverage;
   float log2_weather_texel_m;

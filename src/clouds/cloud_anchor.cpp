@@ -8,12 +8,12 @@ namespace nepho {
 namespace {
 
 static_assert(sizeof(shared::CloudDomain) == 40);
-static_assert(sizeof(shared::CloudAnchor) == 54 * 12 + 16 + 36);
+static_assert(sizeof(shared::CloudAnchor) == 52 * 12 + 16 + 36);
 static_assert(shared::kCloudDomains == shared::kDomainOfLayer + shared::kCloudLayers * shared::kLayerDomains);
 
 /// The defaults that relative sizes of lattices are told against: those of a cumulus.
 constexpr double kCumulusCell_m = 2500.0;
-constexpr double kWarpPeriod_m = 1131e3, kRegionalPeriod_m = 197.3e3, kMesoPeriod_m = 53.9e3;
+constexpr double kRegionalPeriod_m = 197.3e3, kMesoPeriod_m = 53.9e3;
 constexpr double kCellsPerPeriod = 9.08;  ///< rounded cells along a side of the cells' volume
 constexpr double kFinePeriod = 0.2757;    ///< of the detail's
 
@@ -25,9 +25,8 @@ struct Turn {
 };
 constexpr size_t kKinds = shared::kDomainOfLayer + shared::kLayerDomains;
 const Turn kTurns[kKinds] = {
-    {{-0.22, 0.71, 0.67}, 2.83}, {{0.63, 0.52, -0.57}, 1.41},  {{0.27, -0.48, 0.83}, 0.63},
-    {{0.31, 0.83, 0.46}, 0.71},  {{-0.72, 0.21, 0.66}, 1.93},  {{0.57, -0.44, 0.69}, 2.67},
-    {{0.18, 0.63, -0.75}, 1.27}, {{-0.49, -0.29, 0.82}, 0.97}, {{0.84, 0.35, 0.41}, 2.21},
+    {{0.63, 0.52, -0.57}, 1.41}, {{0.27, -0.48, 0.83}, 0.63}, {{0.31, 0.83, 0.46}, 0.71},   {{-0.72, 0.21, 0.66}, 1.93},
+    {{0.57, -0.44, 0.69}, 2.67}, {{0.18, 0.63, -0.75}, 1.27}, {{-0.49, -0.29, 0.82}, 0.97}, {{0.84, 0.35, 0.41}, 2.21},
 };
 
 /// Points far apart for consecutive numbers (the R3 sequence of Roberts 2018), within 0..1.
@@ -48,7 +47,6 @@ CloudLattices make_cloud_lattices(const CloudParams& params, const std::vector<C
                                   const CloudTexels& texels) {
   CloudLattices all;
   const double seed = 64.0 * params.weather.seed;
-  all[shared::kDomainWarp] = lattice(shared::kDomainWarp, kWarpPeriod_m, 1.0, texels.field, seed + 1.0);
   all[shared::kDomainTurbulence] =
       lattice(shared::kDomainTurbulence, params.noise.turbulence.period_m, 1.0, texels.turbulence, seed + 2.0);
   all[shared::kDomainTurbulence].start += params.noise.turbulence.offset;

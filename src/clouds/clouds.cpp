@@ -19,9 +19,9 @@
 namespace nepho {
 namespace {
 
-static_assert(sizeof(shared::CloudLayerConstants) == 20 * 4 + 2 * 16 + 2 * 8 + 4 * 4 + 16 * 4 + 4);
+static_assert(sizeof(shared::CloudLayerConstants) == 19 * 4 + 2 * 16 + 2 * 8 + 4 * 4 + 16 * 4 + 4);
 static_assert(sizeof(shared::CloudConstants) ==
-              27 * 40 + 4 * sizeof(shared::CloudLayerConstants) + sizeof(shared::CloudAnchor) + 40 + 11 * 4 + 12 + 24);
+              26 * 40 + 4 * sizeof(shared::CloudLayerConstants) + sizeof(shared::CloudAnchor) + 40 + 16 * 4 + 12 + 24);
 
 constexpr double kLifetime_s = 2400.0;  ///< in which a cell's slice moves by a cell, at evolution_speed 1
 constexpr double kLean_s = 600.0;       ///< of shear that tops lean by: a cell's age
@@ -56,7 +56,6 @@ shared::CloudLayerConstants layer_constants(const CloudLayer& layer, uint32_t sl
   c.cover_optical_depth = f(layer.cover_optical_depth);
   c.weather_exponent = f(layer.weather_exponent);
   c.coverage_scale = f(layer.coverage_scale);
-  c.casts_shadow = layer.casts_shadow ? 1.0f : 0.0f;
   c.geoid_weight = layer.base_reference == "msl" ? 1.0f : 0.0f;
   c.ground_weight = layer.base_reference == "terrain" ? 1.0f : 0.0f;
   set_weights(c, weather.texel_m());
@@ -106,6 +105,7 @@ Clouds::Clouds(gpu::Device& device, const CloudParams& params, const WeatherSour
     const WeatherMap::OffsetRange range = weather_.base_offset_range(layer.base_reference);
     low = std::min(low, layer.base_m + range.low_m);
     high = std::max(high, layer.base_m + layer.thickness_m + range.high_m);
+    if (layer.casts_shadow) c.casters[c.caster_count++] = static_cast<uint32_t>(layers.size());
     layers.push_back(layer);
   }
   lattices_ = make_cloud_lattices(params, layers,

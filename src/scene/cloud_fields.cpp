@@ -149,7 +149,7 @@ void describe_form(FieldVisitor& v, CloudLayer& p) {
           .range = closed(0.001, 100),
           .term = "threshold of cloud fraction"},
          &p.cover_optical_depth);
-  v.leaf({.name = "casts_shadow", .doc = "whether ground and other layers lie in its shade", .other_names = "shadow"},
+  v.leaf({.name = "casts_shadow", .doc = "whether the ground lies in its shade", .other_names = "shadow"},
          &p.casts_shadow);
 }
 
