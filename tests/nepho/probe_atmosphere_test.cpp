@@ -12,16 +12,13 @@
 #include "atmosphere/oracle_table.h"
 #include "base/error.h"
 #include "base/files.h"
-#include "probe.h"
-#include "probe_tables.h"
+#include "nepho/probe_results.h"
 
 using namespace nepho;
 
 namespace {
 
-std::string oracle_text(const std::string& name) {
-  return read_text_file(test::oracle_path(name + ".csv"));
-}
+std::string oracle_text(const std::string& name) { return read_text_file(test::oracle_path(name + ".csv")); }
 
 ProbeOptions demo(int orders) {
   ProbeOptions options;
@@ -30,30 +27,13 @@ ProbeOptions demo(int orders) {
   return options;
 }
 
-/// Results of a probe, columns by name.
-class Results {
+/// With colours.
+class Results : public test::ProbeResults {
  public:
-  Results(const std::string& kind, const std::string& table, const ProbeOptions& options) {
-    ::setenv("NEPHO_CACHE", NEPHO_TEST_CACHE, 1);
-    std::istringstream in(table);
-    std::ostringstream out;
-    CHECK(run_probe(kind, in, out, options) == 0);
-    std::istringstream again(out.str());
-    records_ = read_csv(again);
-  }
-  const std::vector<std::string>& header() const { return records_.front().cells; }
-  size_t size() const { return records_.size() - 1; }
-  double number(size_t row, const std::string& column) const {
-    const auto at = std::find(header().begin(), header().end(), column);
-    REQUIRE_MESSAGE(at != header().end(), column);
-    return std::stod(records_[row + 1].cells.at(static_cast<size_t>(at - header().begin())));
-  }
+  using ProbeResults::ProbeResults;
   glm::vec3 rgb(size_t row, const std::string& name) const {
     return {number(row, name + "_680"), number(row, name + "_550"), number(row, name + "_440")};
   }
-
- private:
-  std::vector<CsvRecord> records_;
 };
 
 /// The error of a probe that must fail and must have written nothing. There is no such device: rows are judged first.

@@ -7,8 +7,7 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "probe.h"
-#include "probe_tables.h"
+#include "nepho/probe_results.h"
 #include "weather/weather_map.h"
 
 using namespace nepho;
@@ -32,29 +31,7 @@ CloudParams slab() {
   return clouds;
 }
 
-/// Results of a probe, columns by name.
-class Results {
- public:
-  Results(const std::string& kind, const std::string& table, const ProbeOptions& options) {
-    ::setenv("NEPHO_CACHE", NEPHO_TEST_CACHE, 1);
-    std::istringstream in(table);
-    std::ostringstream out;
-    CHECK(run_probe(kind, in, out, options) == 0);
-    std::istringstream again(out.str());
-    records_ = read_csv(again);
-  }
-  size_t size() const { return records_.size() - 1; }
-  const std::string& text(size_t row, const std::string& column) const {
-    const std::vector<std::string>& header = records_.front().cells;
-    const auto at = std::find(header.begin(), header.end(), column);
-    REQUIRE_MESSAGE(at != header.end(), column);
-    return records_[row + 1].cells.at(static_cast<size_t>(at - header.begin()));
-  }
-  double number(size_t row, const std::string& column) const { return std::stod(text(row, column)); }
-
- private:
-  std::vector<CsvRecord> records_;
-};
+using Results = test::ProbeResults;
 
 constexpr const char* kPlaces = "lat_deg,lon_deg\n0,0\n35.3,138.7\n-90,10\n60,-180\n89.99,359\n";
 
