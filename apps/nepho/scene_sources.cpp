@@ -55,6 +55,7 @@ TerrainSources open_terrain(const RasterOpener& opener, const Scene& scene) {
   for (const std::string& file : scene.imagery.files) sources.imagery.push_back(opener.open_imagery(file));
   if (!earth.night.empty()) sources.night_lights = opener.open_imagery(earth.night);
   sources.geoid = egm96();
+  sources.bare_albedo = scene.imagery.bare_albedo;
   return sources;
 }
 

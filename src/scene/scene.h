@@ -40,14 +40,17 @@ struct TerrainParams {
 
 struct ImageryParams {
   std::vector<std::string> files;  ///< raster files over the default Earth, later over earlier
+  double bare_albedo = 0.2;        ///< of ground that no imagery covers, 0..1
   bool operator==(const ImageryParams&) const = default;
 };
 
 struct RenderParams {
   uint32_t width = 640;          ///< px, 1..16384
   uint32_t height = 360;         ///< px
-  std::string quality = "high";  ///< low, medium, high, ultra
-  uint32_t frames = 1;           ///< frames accumulated, >= 1
+  std::string quality = "high";  ///< low, medium, high, ultra; reference: a path tracer (docs/reference.md)
+  uint32_t frames = 1;           ///< frames accumulated, >= 1; of `reference` paths a pixel
+  double noise = 0.0;            ///< reference: stop when 95 % of pixels have this relative standard error; 0: by frames
+  double furnace_cd_m2 = 0.0;    ///< reference: > 0: this luminance from all sides, instead of air, sun and ground
   uint32_t seed = 0;
   std::optional<double> exposure_ev100;  ///< without: from the picture's own luminances
   double min_ev100 = -8.0;               ///< automatic exposure stays within min_ev100..max_ev100

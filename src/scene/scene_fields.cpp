@@ -114,17 +114,36 @@ void describe(FieldVisitor& v, ImageryParams& p) {
                  "file",
           .text = TextKind::file},
          &p.files);
+  v.leaf({.name = "bare_albedo",
+          .doc = "albedo of ground that no imagery covers",
+          .range = share(),
+          .term = "albedo"},
+         &p.bare_albedo);
 }
 
 void describe(FieldVisitor& v, RenderParams& p) {
   v.leaf({.name = "width", .doc = "width of the picture", .unit = "px", .range = closed(1, 16384)}, &p.width);
   v.leaf({.name = "height", .doc = "height of the picture", .unit = "px", .range = closed(1, 16384)}, &p.height);
   v.leaf({.name = "quality",
-          .doc = "preset of steps and sizes; higher is slower and finer",
-          .choices = {"low", "medium", "high", "ultra"}},
+          .doc = "preset of steps and sizes; higher is slower and finer; reference traces paths",
+          .choices = {"low", "medium", "high", "ultra", "reference"}},
          &p.quality);
-  v.leaf({.name = "frames", .doc = "frames that are accumulated into the picture", .range = closed(1, 4096)},
+  v.leaf({.name = "frames",
+          .doc = "frames that are accumulated into the picture; of quality reference paths a pixel",
+          .range = closed(1, 16777216)},
          &p.frames);
+  v.leaf({.name = "noise",
+          .doc = "quality reference goes on until 95 % of the pixels have this relative standard error, but for no more "
+                 "than `frames` paths a pixel where frames is above 1; 0: as many paths as frames",
+          .range = closed(0, 1),
+          .term = "relative standard error"},
+         &p.noise);
+  v.leaf({.name = "furnace_cd_m2",
+          .doc = "quality reference: above 0 an even luminance from all sides, instead of air, sun and ground",
+          .unit = "cd/m2",
+          .range = closed(0, 1e9),
+          .term = "white furnace"},
+         &p.furnace_cd_m2);
   v.leaf({.name = "seed", .doc = "start of every pseudo-random sequence", .range = closed(0, 4294967295.0)}, &p.seed);
   v.leaf({.name = "exposure_ev100",
           .doc = "exposure of PNG pictures; null: from the picture's own luminances",

@@ -10,7 +10,11 @@ namespace nepho {
 
 namespace {
 
-constexpr float kNoImagery = 124.0f;  // sRGB of albedo 0.2
+/// sRGB, 0..255, of a linear value 0..1 (IEC 61966-2-1).
+float srgb_255(double linear) {
+  const double v = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
+  return static_cast<float>(255.0 * v);
+}
 
 /// Four floats at once: a colour.
 using Colour = float __attribute__((vector_size(16)));
@@ -147,7 +151,9 @@ void spread_land(RasterBlock& block, std::vector<uint8_t> land, uint32_t bands) 
 
 }  // namespace
 
-ImagerySampler::ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, const HeightSampler& ground) {
+ImagerySampler::ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, const HeightSampler& ground,
+                               double bare_albedo)
+    : bare_srgb_(srgb_255(bare_albedo)) {
   for (auto& raster : imagery) {
     BlockCache::Filter filter;
     if (layers_.empty() && raster->info().wraps && ground.default_data())
@@ -160,7 +166,7 @@ ImagerySampler::ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, con
 
 void ImagerySampler::colours(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
                              float* rgbx) const {
-  std::fill_n(rgbx, lat_deg.size() * lon_deg.size() * 4, kNoImagery);
+  std::fill_n(rgbx, lat_deg.size() * lon_deg.size() * 4, bare_srgb_);
   for (const auto& layer : layers_) lay_over(*layer, layer->reduction_for(spacing_deg), lat_deg, lon_deg, rgbx);
 }
 

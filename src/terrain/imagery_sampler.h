@@ -19,15 +19,15 @@ RasterCoverage lay_over(const BlockCache& raster, uint32_t reduction, std::span<
                         std::span<const double> lon_deg, float* rgbx);
 
 /// Colours from a stack of imagery rasters, bottom first; no data shows what lies below, and below everything is an
-/// even grey of albedo 0.2.
+/// even grey.
 ///
 /// The bottom raster, where it spans the globe, knows no coast finer than its own texels: its ocean colours would rim
 /// the land. Its texels in the sea or next to it are therefore painted over with the land's colours around them, block
 /// by block.
 class ImagerySampler {
  public:
-  /// `ground` says what is sea; it must outlive this object.
-  ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, const HeightSampler& ground);
+  /// `ground` says what is sea; it must outlive this object. `bare_albedo`: of the grey below everything, 0..1.
+  ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, const HeightSampler& ground, double bare_albedo = 0.2);
 
   /// sRGB colours, 0..255, four floats a place (the fourth is unused), row by row.
   void colours(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg, float* rgbx) const;
@@ -37,6 +37,7 @@ class ImagerySampler {
 
  private:
   std::vector<std::unique_ptr<BlockCache>> layers_;
+  float bare_srgb_;
 };
 
 }  // namespace nepho

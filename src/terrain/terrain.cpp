@@ -66,7 +66,7 @@ Terrain::Terrain(gpu::Device& device, TerrainSources sources, const TerrainParam
     : device_(device),
       params_(params),
       ground_(std::move(sources.elevation), sources.has_default, std::move(sources.geoid)),
-      imagery_(std::move(sources.imagery), ground_),
+      imagery_(std::move(sources.imagery), ground_, sources.bare_albedo),
       builder_(ground_, imagery_, Ellipsoid::wgs84()),
       metas_(builder_) {
   raster_pipeline_ = gpu::GraphicsPipeline(device_, {.name = "terrain.raster",

@@ -25,6 +25,7 @@ struct TerrainSources {
   std::vector<std::shared_ptr<Raster>> imagery;    ///< bottom first
   std::shared_ptr<Raster> night_lights;            ///< city lights on black; may be null
   std::shared_ptr<const Geoid> geoid;              ///< null: mean sea level is the ellipsoid
+  double bare_albedo = 0.2;                        ///< of ground without imagery, 0..1
 };
 
 /// The ground: a quadtree of latitude/longitude tiles over the ellipsoid (docs/terrain.md). Loads what a view needs,
