@@ -27,7 +27,8 @@ struct Random {
 };
 
 SHARED_FN Random random_stream(uint pixel, uint sample_index, uint seed) {
-  uvec4 h = hash4(uvec4(pixel, sample_index, seed, 0x9e3779b9u));
+  // Twice: after one round the highest bits of what is hashed have not reached the lowest ones yet.
+  uvec4 h = hash4(hash4(uvec4(pixel, sample_index, seed, 0x9e3779b9u)));
   Random r;
   r.state = h.x;
   r.increment = h.y | 1u;

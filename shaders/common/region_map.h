@@ -18,10 +18,15 @@ struct RegionMap {
   uint levels;
 };
 
-// Place of a unit vector of scaled space on the plane, m: x east, y north. The antipode has none; places near it end far out.
+// Place of a unit vector of scaled space on the plane, m: x east, y north. The antipode is a whole circle: one place of it
+// is returned.
 SHARED_FN vec2 region_xy(RegionMap map, vec3 dir) {
-  float open = max(1.0f + dot(dir, map.centre), 1.0e-3f);
-  return vec2(dot(dir, map.east), dot(dir, map.north)) * (map.radius_m * sqrt(2.0f / open));
+  float up = dot(dir, map.centre);
+  vec2 side = vec2(dot(dir, map.east), dot(dir, map.north));
+  float sin2 = dot(side, side);
+  if (up < 0.0f && sin2 < 1.0e-12f) return vec2(2.0f * map.radius_m, 0.0f);  // within 6 m of the antipode
+  float open = up > 0.0f ? 1.0f + up : sin2 / (1.0f - up);  // the same, but 1 + up loses its digits far out
+  return side * (map.radius_m * sqrt(2.0f / open));
 }
 
 // The inverse. Beyond 2 R there is nothing; the antipode is returned.
