@@ -65,6 +65,7 @@ class Terrain {
   const Stats& stats() const { return stats_; }
   const std::vector<SelectedTile>& selected() const { return selected_; }
   const HeightSampler& heights() const { return ground_; }
+  const ImagerySampler& imagery() const { return imagery_; }
 
  private:
   struct Slot {
