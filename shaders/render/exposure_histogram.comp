@@ -15,11 +15,7 @@ void main() {
   uvec2 pixel = gl_GlobalInvocationID.xy * push.stride + push.stride / 2u;
   if (all(lessThan(pixel, push.size))) {
     float l = luminance(texelFetch(radiance, ivec2(pixel), 0).rgb);
-    // Black space does not count, nor does the sun's disc: no surface in its light is as bright.
-    if (l > exp2(kHistogramMinLog2) && l < kMeterMaxLuminance) {
-      float x = (log2(l) - kHistogramMinLog2) / (kHistogramMaxLog2 - kHistogramMinLog2);
-      atomicAdd(local_bins[uint(clamp(x, 0.0, 0.999999) * float(kHistogramBins))], 1u);
-    }
+    if (meter_counts(l)) atomicAdd(local_bins[meter_bin(l)], 1u);
   }
   barrier();
   uint count = local_bins[gl_LocalInvocationIndex];

@@ -8,6 +8,22 @@ SHARED_CONST float kHistogramMinLog2 = -24.0f;     // log2 cd/m2: 6e-8, far belo
 SHARED_CONST float kHistogramMaxLog2 = 31.0f;
 SHARED_CONST float kMeterMaxLuminance = 2.0e6f;    // cd/m2: brighter pixels, the sun's disc, are not metered
 
+// The meter looks at about 60,000 pixels, on a regular grid: every so many in both directions. More do not change it.
+SHARED_FN uint meter_stride(uint width, uint height) {
+  return max(1u, uint(sqrt(float(width) * float(height) / 60000.0f) + 0.5f));
+}
+
+// Black space does not count, nor does the sun's disc: no surface in its light is as bright.
+SHARED_FN bool meter_counts(float luminance_cd_m2) {
+  return luminance_cd_m2 > exp2(kHistogramMinLog2) && luminance_cd_m2 < kMeterMaxLuminance;
+}
+
+// Bin of a luminance that counts.
+SHARED_FN uint meter_bin(float luminance_cd_m2) {
+  float x = (log2(luminance_cd_m2) - kHistogramMinLog2) / (kHistogramMaxLog2 - kHistogramMinLog2);
+  return uint(clamp(x, 0.0f, 0.999999f) * float(kHistogramBins));
+}
+
 struct BackgroundPush {
   float wind_mps;               // over water, for its roughness
   float night_light_cd_m2;      // luminance of city lights where the night picture is white

@@ -3,13 +3,13 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "common/tonemap.h"
 #include "gpu/commands.h"
 #include "render/exposure_histogram.comp.h"
 #include "render/exposure_reduce.comp.h"
 #include "render/render_shared.h"
 #include "render/tonemap.comp.h"
-#include "render/white_balance.h"
+#include "tone/tone.h"
+#include "tone/white_balance.h"
 
 namespace nepho {
 
@@ -17,26 +17,10 @@ static_assert(sizeof(shared::ExposurePush) == 36);
 static_assert(sizeof(shared::TonemapPush) == 48);
 
 namespace {
-// The meter looks at about this many pixels, on a regular grid: more do not change it.
-constexpr double kMeteredPixels = 60000.0;
-
-uint32_t meter_stride(Extent2D extent) {
-  const double pixels = static_cast<double>(extent.width) * extent.height;
-  return std::max(1u, static_cast<uint32_t>(std::sqrt(pixels / kMeteredPixels) + 0.5));
-}
-
 /// Share of the last picture's EV100 that remains after this time.
 float keep_share(double frame_interval_s, double adaptation_s) {
   if (!(frame_interval_s > 0.0) || !(adaptation_s > 0.0)) return 0.0f;
   return static_cast<float>(std::exp(-frame_interval_s / adaptation_s));
-}
-
-uint32_t tone_curve(const std::string& name) {
-  if (name == "linear") return shared::kToneLinear;
-  if (name == "reinhard") return shared::kToneReinhard;
-  if (name == "aces") return shared::kToneAces;
-  if (name == "agx") return shared::kToneAgx;
-  throw fail(ErrorKind::usage, "tone_curve: '{}' is not one of aces, agx, reinhard, linear", name);
 }
 }  // namespace
 
@@ -64,7 +48,7 @@ ExposurePasses::Outputs ExposurePasses::add(FrameGraph& graph, ImageRef radiance
   const Extent2D extent{e.width, e.height};
   shared::ExposurePush push{};
   push.size = glm::uvec2(extent.width, extent.height);
-  push.stride = meter_stride(extent);
+  push.stride = shared::meter_stride(extent.width, extent.height);
   push.automatic = params.exposure_ev100 ? 0u : 1u;
   push.fixed_ev100 = static_cast<float>(params.exposure_ev100.value_or(0.0));
   push.min_ev100 = static_cast<float>(params.min_ev100);
@@ -88,7 +72,7 @@ ExposurePasses::Outputs ExposurePasses::add(FrameGraph& graph, ImageRef radiance
       .read_write("adapted", graph.import(adapted_))
       .record(
           [this, push](gpu::Commands& cmd) { cmd.bind(reduce_).push(push).dispatch_threads(shared::kHistogramBins); });
-  const gpu::ComputePipeline& tonemap = tonemap_for(tone_curve(params.tone_curve));
+  const gpu::ComputePipeline& tonemap = tonemap_for(tone_curve_id(params.tone_curve));
   const shared::TonemapPush tone{glm::uvec2(extent.width, extent.height), params.seed * 0x9e3779b9u,
                                  glm::mat3(rec709_white_balance(params.white_balance_k))};
   graph.pass("tonemap")

@@ -5,6 +5,7 @@
 #include "common/tonemap.h"
 #include "gpu/gpu_fixture.h"
 #include "render/exposure_passes.h"
+#include "tone/tone.h"
 
 namespace nepho {
 namespace {
@@ -99,6 +100,19 @@ TEST_CASE_FIXTURE(ExposureFixture,
   params.exposure_ev100 = 9.25;
   params.exposure_compensation_ev = 3.0;
   CHECK(shoot(plain(500.0f), params).ev100 == 9.25);
+}
+
+TEST_CASE_FIXTURE(ExposureFixture, "exposure: the meter on the CPU shows what the meter on the GPU shows") {
+  for (const float level : {1.0e-3f, 50.0f, 4.0e4f}) {
+    const Fill fill = [level](uint32_t x, uint32_t y) {
+      const float stops = 0.02f * static_cast<float>((x * 7919u + y * 104729u) % 1021u) - 10.0f;
+      return glm::vec3(0.6f, 1.0f, 1.4f) * level * std::exp2(stops);
+    };
+    std::vector<glm::vec3> rgb;
+    for (uint32_t y = 0; y < kSize.height; ++y)
+      for (uint32_t x = 0; x < kSize.width; ++x) rgb.push_back(fill(x, y));
+    CHECK(metered_ev100(kSize.width, kSize.height, rgb) == doctest::Approx(shoot(fill).ev100).epsilon(1e-4));
+  }
 }
 
 TEST_CASE_FIXTURE(ExposureFixture, "exposure: adapts by 1 - exp(-dt / tau) in sequences and at once in stills") {

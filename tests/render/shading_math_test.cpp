@@ -8,7 +8,7 @@
 #include "render/camera_pose.h"
 #include "render/frame_setup.h"
 #include "render/output_layers.h"
-#include "render/white_balance.h"
+#include "tone/white_balance.h"
 
 using namespace nepho;
 using namespace nepho::shared;

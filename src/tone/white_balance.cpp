@@ -1,4 +1,4 @@
-#include "render/white_balance.h"
+#include "tone/white_balance.h"
 
 #include <glm/matrix.hpp>
 
