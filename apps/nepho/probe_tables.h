@@ -82,5 +82,6 @@ std::vector<ProbeKind> geo_probe_kinds();
 std::vector<ProbeKind> astro_probe_kinds();
 std::vector<ProbeKind> atmosphere_probe_kinds();
 std::vector<ProbeKind> cloud_probe_kinds();
+std::vector<ProbeKind> slab_probe_kinds();
 
 }  // namespace nepho

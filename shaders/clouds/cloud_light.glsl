@@ -19,15 +19,21 @@ float cloud_sun_depth(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_m
   for (int i = 0; i < kSunTaps; ++i) {
     float inside_m = min(length_m, out_m - from_m);
     if (inside_m <= 0.0) break;
-    float d = from_m + 0.5 * inside_m;
-    float h = height_m + climb * d;
-    float eta = clamp(cloud_eta(l, c, h), 0.0, 0.9999);
-    vec3 p = p_cam + sun * d;
-    float log2_tap = max(log2_footprint, log2(0.5 * length_m));
-    float unknown = c.unknown;
-    float level = cloud_cell_level(l, c, p, up, h, eta, log2_tap, unknown);
-    level += cloud_shape_level(l, c, CloudChurn(vec3(0.0), vec3(0.0), vec3(0.0)), p, eta, log2_tap, unknown);
-    depth += cloud_medium(l, c.density, level, unknown, 0.05, eta, exp2(log2_tap)).sigma_per_m * inside_m;
+    float sigma_per_m;
+    if (CLOUD.uniform_density > 0.0) {
+      sigma_per_m = CLOUD.uniform_density * CLOUD.layers[l].extinction_per_m;
+    } else {
+      float d = from_m + 0.5 * inside_m;
+      float h = height_m + climb * d;
+      float eta = clamp(cloud_eta(l, c, h), 0.0, 0.9999);
+      vec3 p = p_cam + sun * d;
+      float log2_tap = max(log2_footprint, log2(0.5 * length_m));
+      float unknown = c.unknown;
+      float level = cloud_cell_level(l, c, p, up, h, eta, log2_tap, unknown);
+      level += cloud_shape_level(l, c, CloudChurn(vec3(0.0), vec3(0.0), vec3(0.0)), p, eta, log2_tap, unknown);
+      sigma_per_m = cloud_medium(l, c.density, level, unknown, 0.05, eta, exp2(log2_tap)).sigma_per_m;
+    }
+    depth += sigma_per_m * inside_m;
     from_m += length_m;
     length_m *= kSunGrowth;
   }

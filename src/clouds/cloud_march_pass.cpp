@@ -21,7 +21,7 @@ CloudMarchPass::CloudMarchPass(gpu::Device& device, const Clouds& clouds, uint32
       shade_(device, {.name = "clouds.shade", .spirv = cloud_shade_comp, .constants = {spectral_groups}}),
       clear_(device, {.name = "clouds.clear", .spirv = cloud_clear_comp}) {}
 
-const gpu::ComputePipeline& CloudMarchPass::march(uint32_t phases) const {
+const gpu::ComputePipeline& CloudMarchPass::march_pipeline(uint32_t phases) const {
   gpu::ComputePipeline& pipeline = march_[phases - 1];
   if (!pipeline)
     pipeline = gpu::ComputePipeline(
@@ -29,43 +29,50 @@ const gpu::ComputePipeline& CloudMarchPass::march(uint32_t phases) const {
   return pipeline;
 }
 
-CloudMarchPass::Outputs CloudMarchPass::add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in) const {
-  const Outputs out{.radiance = graph.create("clouds.radiance", {.extent = frame.extent, .format = Format::rgba32f}),
+CloudMarchPass::Marched CloudMarchPass::add_march(FrameGraph& graph, const FrameInfo& frame, ImageRef depth_m,
+                                                  const CloudDensityRefs& density) const {
+  const Marched out{.light = graph.create("clouds.light", {.extent = frame.extent, .format = Format::rgba32f}),
                     .info = graph.create("clouds.info", {.extent = frame.extent, .format = Format::rgba32f})};
-  const CloudParams& params = clouds_.params();
-  if (draws_nothing(params)) {
-    graph.pass("clouds.clear")
-        .write("out_radiance", out.radiance)
-        .write("out_info", out.info)
-        .record([this, extent = frame.extent](gpu::Commands& cmd) {
-          cmd.bind(clear_).dispatch_threads(extent.width, extent.height);
-        });
-    return out;
-  }
-  const ImageRef light = graph.create("clouds.light", {.extent = frame.extent, .format = Format::rgba32f});
   FrameGraph::PassBuilder pass = graph.pass("clouds.march");
   pass.uniform("frame", frame.buffer)
-      .read("depth_m", in.depth_m)
-      .sample("cloud_blue", in.density.noise.blue, Sampler::nearest_clamp);
-  bind_density(pass, in.density);
-  const gpu::ComputePipeline& pipeline = march(clouds_.phases_at(frame.time_s));
-  pass.write("out_light", light)
+      .read("depth_m", depth_m)
+      .sample("cloud_blue", density.noise.blue, Sampler::nearest_clamp);
+  bind_density(pass, density);
+  const gpu::ComputePipeline& pipeline = march_pipeline(clouds_.phases_at(frame.time_s));
+  pass.write("out_light", out.light)
       .write("out_info", out.info)
       .record([&pipeline, extent = frame.extent](gpu::Commands& cmd) {
         cmd.bind(pipeline).dispatch_threads(extent.width, extent.height);
       });
+  return out;
+}
+
+CloudMarchPass::Outputs CloudMarchPass::add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in) const {
+  const ImageRef radiance = graph.create("clouds.radiance", {.extent = frame.extent, .format = Format::rgba32f});
+  const CloudParams& params = clouds_.params();
+  if (draws_nothing(params)) {
+    const ImageRef info = graph.create("clouds.info", {.extent = frame.extent, .format = Format::rgba32f});
+    graph.pass("clouds.clear")
+        .write("out_radiance", radiance)
+        .write("out_info", info)
+        .record([this, extent = frame.extent](gpu::Commands& cmd) {
+          cmd.bind(clear_).dispatch_threads(extent.width, extent.height);
+        });
+    return {.radiance = radiance, .info = info};
+  }
+  const Marched marched = add_march(graph, frame, in.depth_m, in.density);
   FrameGraph::PassBuilder shade = graph.pass("clouds.shade");
   shade.uniform("frame", frame.buffer)
-      .sample("light_tex", light, Sampler::nearest_clamp)
-      .sample("info_tex", out.info, Sampler::nearest_clamp)
-      .write("out_radiance", out.radiance);
+      .sample("light_tex", marched.light, Sampler::nearest_clamp)
+      .sample("info_tex", marched.info, Sampler::nearest_clamp)
+      .write("out_radiance", radiance);
   AtmosphereTables::bind(shade, in.atmosphere);
   const ShadePush push{kGroundAlbedo, static_cast<float>(params.coverage.value_or(kTypicalCoverage)),
                        static_cast<float>(params.sky_light_scale), static_cast<float>(params.ground_bounce_scale)};
   shade.record([this, push, extent = frame.extent](gpu::Commands& cmd) {
     cmd.bind(shade_).push(push).dispatch_threads(extent.width, extent.height);
   });
-  return out;
+  return {.radiance = radiance, .info = marched.info};
 }
 
 }  // namespace nepho

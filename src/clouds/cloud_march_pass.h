@@ -31,8 +31,16 @@ class CloudMarchPass {
   CloudMarchPass(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups);
   Outputs add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in) const;
 
+  /// The march without the lighting.
+  struct Marched {
+    ImageRef light;  ///< rgba32f: shares of key light, sky light and ground light, 1/sr; transmittance
+    ImageRef info;   ///< as Outputs::info
+  };
+  /// There must be something to draw.
+  Marched add_march(FrameGraph& graph, const FrameInfo& frame, ImageRef depth_m, const CloudDensityRefs& density) const;
+
  private:
-  const gpu::ComputePipeline& march(uint32_t phases) const;
+  const gpu::ComputePipeline& march_pipeline(uint32_t phases) const;
   gpu::Device& device_;
   const Clouds& clouds_;
   gpu::ComputePipeline shade_, clear_;

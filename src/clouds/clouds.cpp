@@ -66,9 +66,7 @@ shared::CloudLayerConstants layer_constants(const CloudLayer& layer, uint32_t sl
   c.wind_mps = glm::vec2(f(layer.wind_east_mps), f(layer.wind_north_mps));
   c.lean = glm::vec2(f(layer.shear_east_mps_per_km), f(layer.shear_north_mps_per_km)) * f(1e-3 * kLean_s);
   c.evolution_mps = f(layer.evolution_speed * layer.cell_size_m / kLifetime_s);
-  // Half a small billow, or a tenth of an optical depth where that is longer.
-  c.step_m = f(std::max(36.0 * std::sqrt(layer.cell_size_m / 2500.0),
-                        std::min(0.1 / std::max(static_cast<double>(c.extinction_per_m), 1e-6), 250.0)));
+  c.step_m = f(march_step_m(layer.cell_size_m, static_cast<double>(c.extinction_per_m)));
   c.bend_m = glm::vec2(1500.0f, f(0.07 * layer.cell_size_m));
   for (int i = 0; i < 16; ++i) c.thresholds[i] = shared::kThresholdFirst + shared::kThresholdStep * f(i);
   c.slot = slot;
@@ -78,6 +76,10 @@ shared::CloudLayerConstants layer_constants(const CloudLayer& layer, uint32_t sl
 glm::vec2 fade_of(const CloudNoise::Fade& fade) { return {fade.start, fade.per_lod}; }
 
 }  // namespace
+
+double march_step_m(double cell_size_m, double extinction_per_m) {
+  return std::max(36.0 * std::sqrt(cell_size_m / 2500.0), std::min(0.1 / std::max(extinction_per_m, 1e-6), 250.0));
+}
 
 std::vector<uint32_t> drawing_layers(const CloudParams& params) {
   std::vector<uint32_t> drawing;
@@ -103,8 +105,9 @@ Clouds::Clouds(gpu::Device& device, const CloudParams& params, const WeatherSour
     const CloudLayer& layer = params.layers[slot];
     c.layers[layers.size()] = layer_constants(layer, slot, params, weather_);
     const WeatherMap::OffsetRange range = weather_.base_offset_range(layer.base_reference);
-    low = std::min(low, layer.base_m + range.low_m);
-    high = std::max(high, layer.base_m + layer.thickness_m + range.high_m);
+    layer_ranges_.push_back({layer.base_m + range.low_m, layer.base_m + layer.thickness_m + range.high_m});
+    low = std::min(low, layer_ranges_.back().low_m);
+    high = std::max(high, layer_ranges_.back().high_m);
     if (layer.casts_shadow) c.casters[c.caster_count++] = static_cast<uint32_t>(layers.size());
     layers.push_back(layer);
   }
@@ -147,7 +150,12 @@ std::vector<uint32_t> Clouds::specialisation(uint32_t phases) const {
   bool ground = false;
   for (const uint32_t slot : drawing_layers(params_))
     ground = ground || params_.layers[slot].base_reference != "ellipsoid";
-  return {0u, std::max(constants_.layer_count, 1u), phases, kind, ground ? 1u : 0u};
+  return {0u,
+          std::max(constants_.layer_count, 1u),
+          phases,
+          kind,
+          ground ? 1u : 0u,
+          params_.multiple_scattering == "octaves" ? 1u : 0u};
 }
 
 std::optional<uint64_t> Clouds::calibration_key() const {

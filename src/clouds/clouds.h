@@ -20,6 +20,10 @@ bool draws_nothing(const CloudParams& params);
 /// The layers that draw something, as indices of CloudParams::layers.
 std::vector<uint32_t> drawing_layers(const CloudParams& params);
 
+/// Shortest useful step of a march through a layer, m: half a small billow, or a tenth of an optical depth where that
+/// is longer.
+double march_step_m(double cell_size_m, double extinction_per_m);
+
 /// What draws clouds besides a frame's own data: parameters, noise, weather, and the thresholds that make coverage a
 /// quantity. Everything that looks at clouds (march, shadows, probes) takes it.
 class Clouds {
@@ -33,8 +37,15 @@ class Clouds {
   /// The uniform block without its anchor, which a frame or a probe fills.
   const shared::CloudConstants& constants() const { return constants_; }
 
-  /// Values of the specialisation constants 0..4 for shaders that include clouds/cloud_density.glsl; 0 is left free.
-  /// `phases`: phases_at() of the moment, or 2 for any moment.
+  struct HeightRange {
+    double low_m = 0.0, high_m = 0.0;
+  };
+  /// Geodetic heights between which each drawn layer is, wherever its base follows ground or weather; as constants()
+  /// orders them.
+  const std::vector<HeightRange>& layer_ranges() const { return layer_ranges_; }
+
+  /// Values of the specialisation constants 0..4 for shaders that include clouds/cloud_density.glsl; 0 is left free, 5
+  /// is the march's own. `phases`: phases_at() of the moment, or 2 for any moment.
   std::vector<uint32_t> specialisation(uint32_t phases) const;
   /// Patterns that overlap at a moment, 1 or 2.
   uint32_t phases_at(double time_s) const;
@@ -54,6 +65,7 @@ class Clouds {
   WeatherMap weather_;
   CloudLattices lattices_;
   shared::CloudConstants constants_{};
+  std::vector<HeightRange> layer_ranges_;
 };
 
 }  // namespace nepho
