@@ -10,6 +10,7 @@
 #include "gpu/gpu_fixture.h"
 #include "rasters/default_earth.h"
 #include "rasters/gdal_opener.h"
+#include "terrain/ground_texels.h"
 #include "terrain/terrain.h"
 #include "terrain_fixture.h"
 
@@ -120,6 +121,65 @@ TEST_CASE("earth: views of the default data load fast and have no holes") {
     CHECK(holes == 0);
     CHECK(terrain.stats().tiles_drawn < 300);
   }
+}
+
+TEST_CASE("earth: the ground map tells land from sea from Tokyo to the other side of the Pacific") {
+  if (find_default_earth().elevation.empty() || find_default_earth().imagery.empty()) {
+    MESSAGE("skipped: the default Earth's packages are not installed");
+    return;
+  }
+  GpuFixture gpu;
+  const Terrain terrain(gpu.device, default_earth(), {});
+  const shared::RegionMap map = make_region_map(ecef_from_geodetic(Geodetic::from_degrees(35.68, 139.77)), 10e3, 11);
+  GroundTexels texels;
+  for (const char* name : {"first", "again"}) {
+    const auto start = std::chrono::steady_clock::now();
+    const std::clock_t before = std::clock();
+    texels = sample_ground(terrain.heights(), terrain.imagery(), map);
+    MESSAGE("ground map, ", std::string(name), ": ",
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count(),
+            " ms; processor time ", 1e3 * static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC, " ms");
+  }
+  struct Known {
+    const char* name;
+    double lat, lon;
+    bool land;
+  };
+  for (const Known& k : {Known{"Kanto plain", 36.1, 139.6, true}, Known{"Sagami bay", 35.0, 139.4, false},
+                         Known{"Pacific", 20.0, 170.0, false}, Known{"Siberia", 62.0, 125.0, true},
+                         Known{"Australia", -25.0, 134.0, true}, Known{"Canada", 60.0, -115.0, true},
+                         Known{"Nevada", 39.0, -117.0, true}, Known{"south of Hawaii", 10.0, -160.0, false}}) {
+    CAPTURE(std::string(k.name));
+    const glm::vec2 xy =
+        shared::region_xy(map, vec3(map_direction_from_ecef(ecef_from_geodetic(Geodetic::from_degrees(k.lat, k.lon)))));
+    const uint32_t level = shared::region_level(map, xy);
+    REQUIRE(level < map.levels);
+    const glm::vec2 at = (xy / shared::region_half_m(map, level) * 0.5f + 0.5f) * float{GroundTexels::kSide};
+    const size_t texel =
+        (level * GroundTexels::kSide + static_cast<size_t>(at.y)) * GroundTexels::kSide + static_cast<size_t>(at.x);
+    const glm::vec4& albedo = texels.albedo[texel];
+    CHECK(albedo.a == (k.land ? 1.0f : 0.0f));
+    // Land at these places is neither soot nor snow in the picture of summer.
+    if (k.land) {
+      CHECK(albedo.g > 0.02f);
+      CHECK(albedo.g < 0.4f);
+      CHECK(texels.height_m[texel] > 0.0f);
+    }
+  }
+  // One level as wide as the whole Earth, of equal areas: 29 % of it is land.
+  const shared::RegionMap whole =
+      make_region_map(ecef_from_geodetic(Geodetic::from_degrees(35.68, 139.77)), 2.0 * 6378137.0, 1);
+  texels = sample_ground(terrain.heights(), terrain.imagery(), whole);
+  double land = 0.0, count = 0.0;
+  for (uint32_t j = 0; j < GroundTexels::kSide; ++j)
+    for (uint32_t i = 0; i < GroundTexels::kSide; ++i) {
+      if (std::hypot(i + 0.5 - GroundTexels::kSide / 2.0, j + 0.5 - GroundTexels::kSide / 2.0) >
+          GroundTexels::kSide / 2.0)
+        continue;
+      land += static_cast<double>(texels.albedo[size_t{j} * GroundTexels::kSide + i].a);
+      count += 1.0;
+    }
+  CHECK(land / count == doctest::Approx(0.292).epsilon(0.03));
 }
 
 TEST_CASE("earth: the ray through the picture's centre meets Mt Fuji within 60 m of the DEM") {
