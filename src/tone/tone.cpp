@@ -34,7 +34,9 @@ std::vector<glm::vec3> display_from_linear(std::span<const glm::vec3> rgb, const
   std::vector<glm::vec3> display;
   display.reserve(rgb.size());
   for (const glm::vec3& v : rgb) {
-    const glm::vec3 mapped = shared::tone_map(settings.white_balance * v * exposure, settings.curve);
+    // Far beyond white; more would overflow in the curves.
+    const glm::vec3 exposed = glm::clamp(v * exposure, -1.0e12f, 1.0e12f);
+    const glm::vec3 mapped = shared::tone_map(settings.white_balance * exposed, settings.curve);
     display.emplace_back(shared::srgb_from_linear(mapped.r), shared::srgb_from_linear(mapped.g),
                          shared::srgb_from_linear(mapped.b));
   }
