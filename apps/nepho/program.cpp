@@ -5,6 +5,7 @@
 #include <ostream>
 
 #include "base/error.h"
+#include "nepho/cmd_compare.h"
 #include "nepho/cmd_render.h"
 #include "nepho/options.h"
 #include "scene/scene_schema.h"
@@ -14,7 +15,6 @@ namespace nepho {
 namespace {
 
 constexpr std::pair<const char*, const char*> kLater[] = {
-    {"compare", "compare two pictures"},
     {"tour", "a sequence of pictures or a movie along a path"},
     {"bench", "GPU time of every pass"},
     {"map", "georeferenced view from above"},
@@ -67,6 +67,10 @@ int run(const std::vector<std::string>& arguments, const Program& program) {
   CLI::App* const render_app = app.add_subcommand("render", "draw a scene as PNG and EXR");
   render.add_to(*render_app, program);
 
+  CompareCommand compare;
+  CLI::App* const compare_app = app.add_subcommand("compare", "measure how far a picture is from a reference");
+  compare.add_to(*compare_app);
+
   std::string kind;
   SceneOptions probe_scene;
   std::string probe_device;
@@ -112,6 +116,8 @@ int run(const std::vector<std::string>& arguments, const Program& program) {
   int status = 0;
   if (*render_app) {
     render.run(program);
+  } else if (*compare_app) {
+    compare.run(program);
   } else if (*probe_app) {
     const ProbeOptions options{
         .scene = probe_scene.scene(), .device = probe_device, .open_weather = program.open_weather};

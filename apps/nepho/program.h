@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "nepho/compare_pictures.h"
 #include "nepho/probe.h"
 #include "nepho/render_scene.h"
 
@@ -12,6 +13,7 @@ namespace nepho {
 /// What the commands call, so that the command line can be tested without a device, and the streams they use.
 struct Program {
   std::function<void(const Scene&, const RenderOutputs&)> render;
+  std::function<void(const CompareRequest&, std::ostream& out)> compare = {};
   std::function<int(const std::string& kind, std::istream&, std::ostream&, const ProbeOptions&)> probe;
   std::function<void(bool as_json, std::ostream&)> info;
   std::function<WeatherSources(const Scene&)> open_weather;  ///< for probes; empty: there are no rasters

@@ -107,7 +107,7 @@ TEST_CASE("--help and --version go to standard output with status 0") {
 
 TEST_CASE("commands of later issues say 'not supported yet' in one line, status 2") {
   CHECK(run({"tour", "a.kml", "-o", "b.mp4"}).err == "nepho tour: not supported yet\n");
-  for (const char* command : {"compare", "tour", "bench", "map", "view"}) CHECK(run({command}).status == 2);
+  for (const char* command : {"tour", "bench", "map", "view"}) CHECK(run({command}).status == 2);
 }
 
 TEST_CASE("a missing or unknown command or option is a usage error that says what was meant") {
