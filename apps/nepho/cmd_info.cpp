@@ -5,7 +5,6 @@
 #include <erfa.h>
 #include <erfaextra.h>
 #include <fmt/format.h>
-#include <gdal_version.h>
 #include <png.h>
 #include <spdlog/version.h>
 #include <vulkan/vulkan_core.h>
@@ -17,7 +16,7 @@
 #include "base/files.h"
 #include "geo/geoid.h"
 #include "gpu/device.h"
-#include "rasters/default_earth.h"
+#include "nepho/raster_access.h"
 #include "scene/cloud_params.h"
 #include "scene/places.h"
 
@@ -29,15 +28,18 @@ using Json = nlohmann::ordered_json;
 using Table = std::vector<std::pair<std::string, std::string>>;
 
 /// Data that the program uses when it is there; empty paths are missing.
-Table find_data() {
-  const DefaultEarth earth = find_default_earth();
+Table find_data(const RasterAccess& rasters) {
+  const DefaultEarth earth = rasters.find_default_earth();
   return {{"elevation", earth.elevation}, {"imagery", earth.imagery},     {"night", earth.night},
           {"moon", earth.moon},           {"stars", earth.stars},         {"geoid_egm96", Geoid::find_egm96().string()},
           {"data", data_dir().string()},  {"cache", cache_dir().string()}};
 }
 
 /// The Debian package that brings a missing piece of data.
-std::string package_of(const std::string& data) {
+std::string package_of(const std::string& data, const RasterAccess& rasters) {
+  const bool is_earth =
+      data == "elevation" || data == "imagery" || data == "moon" || data == "stars" || data == "night";
+  if (is_earth && !rasters.has_gdal()) return "not used: this build has no GDAL";
   if (data == "elevation") return "missing: apt-get install ferret-datasets";
   if (data == "imagery" || data == "moon" || data == "stars") return "missing: apt-get install marble-qt-data";
   if (data == "night") return "missing: apt-get install xplanet-images";
@@ -45,10 +47,10 @@ std::string package_of(const std::string& data) {
   return "none: no folder could be made; set NEPHO_CACHE";
 }
 
-Table library_versions() {
+Table library_versions(const RasterAccess& rasters) {
   return {{"Vulkan headers", fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(VK_HEADER_VERSION_COMPLETE),
                                          VK_API_VERSION_MINOR(VK_HEADER_VERSION_COMPLETE), VK_HEADER_VERSION)},
-          {"GDAL", GDAL_RELEASE_NAME},
+          {"GDAL", rasters.has_gdal() ? rasters.gdal_version : "none: reads no rasters"},
           {"GeographicLib", GEOGRAPHICLIB_VERSION_STRING},
           {"ERFA", eraVersion()},
           {"OpenEXR", OPENEXR_VERSION_STRING},
@@ -60,7 +62,7 @@ Table library_versions() {
           {"spdlog", fmt::format("{}.{}.{}", SPDLOG_VER_MAJOR, SPDLOG_VER_MINOR, SPDLOG_VER_PATCH)}};
 }
 
-Json json_info() {
+Json json_info(const RasterAccess& rasters) {
   Json info{{"version", NEPHO_VERSION}, {"devices", Json::array()}};
   for (const gpu::DeviceInfo& device : gpu::list_devices())
     info["devices"].push_back({{"index", device.index},
@@ -70,14 +72,14 @@ Json json_info() {
                                {"is_software", device.is_software},
                                {"usable", device.usable},
                                {"why_not", device.why_not}});
-  for (const auto& [name, path] : find_data()) info["data"][name] = path.empty() ? Json(nullptr) : Json(path);
+  for (const auto& [name, path] : find_data(rasters)) info["data"][name] = path.empty() ? Json(nullptr) : Json(path);
   for (const Place& place : named_places()) info["places"][place.name] = place.title;
   info["skies"] = cloud_sky_names();
-  for (const auto& [name, version] : library_versions()) info["libraries"][name] = version;
+  for (const auto& [name, version] : library_versions(rasters)) info["libraries"][name] = version;
   return info;
 }
 
-void print_text(std::ostream& out) {
+void print_text(std::ostream& out, const RasterAccess& rasters) {
   out << "nepho " NEPHO_VERSION "\n\nVulkan devices\n";
   const std::vector<gpu::DeviceInfo> devices = gpu::list_devices();
   if (devices.empty()) out << "  none: no Vulkan driver; apt-get install mesa-vulkan-drivers\n";
@@ -86,22 +88,22 @@ void print_text(std::ostream& out) {
                        device.is_software ? ", software" : "",
                        device.usable ? "" : fmt::format(", not usable: {}", device.why_not));
   out << "\nData\n";
-  for (const auto& [name, path] : find_data())
-    out << fmt::format("  {:14} {}\n", name, path.empty() ? package_of(name) : path);
+  for (const auto& [name, path] : find_data(rasters))
+    out << fmt::format("  {:14} {}\n", name, path.empty() ? package_of(name, rasters) : path);
   out << "\nPlaces\n";
   for (const Place& place : named_places()) out << fmt::format("  {:14} {}\n", place.name, place.title);
   out << fmt::format("\nSkies\n  {}\n", fmt::join(cloud_sky_names(), ", "));
   out << "\nLibraries\n";
-  for (const auto& [name, version] : library_versions()) out << fmt::format("  {:14} {}\n", name, version);
+  for (const auto& [name, version] : library_versions(rasters)) out << fmt::format("  {:14} {}\n", name, version);
 }
 
 }  // namespace
 
-void print_info(bool as_json, std::ostream& out) {
+void print_info(bool as_json, std::ostream& out, const RasterAccess& rasters) {
   if (as_json)
-    out << json_info().dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    out << json_info(rasters).dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   else
-    print_text(out);
+    print_text(out, rasters);
 }
 
 }  // namespace nepho

@@ -1,24 +1,12 @@
-#include <iostream>
+// nepho: the program with GDAL behind its rasters.
+#include <gdal_version.h>
 
-#include "nepho/cmd_info.h"
-#include "nepho/probe.h"
-#include "nepho/program.h"
-#include "nepho/render_scene.h"
-#include "nepho/scene_sources.h"
-#include "render/debug_views.h"
-#include "render/output_layers.h"
+#include "nepho/run_main.h"
+#include "rasters/gdal_opener.h"
 
 int main(int argc, char** argv) {
-  std::ios::sync_with_stdio(false);
-  return nepho::run_program({argv + 1, argv + argc},
-                            {.render = nepho::render_scene,
-                             .probe = nepho::run_probe,
-                             .info = nepho::print_info,
-                             .open_weather = [](const nepho::Scene& scene) { return nepho::open_weather(scene); },
-                             .layer_names = nepho::known_layers(),
-                             .debug_views = nepho::known_debug_views(),
-                             .probe_kinds = nepho::probe_kind_names(),
-                             .in = std::cin,
-                             .out = std::cout,
-                             .err = std::cerr});
+  return nepho::run_main(argc, argv,
+                         {.opener = nepho::make_gdal_opener(),
+                          .find_default_earth = nepho::find_default_earth,
+                          .gdal_version = GDAL_RELEASE_NAME});
 }

@@ -11,7 +11,6 @@
 #include "io/exr.h"
 #include "io/png.h"
 #include "nepho/scene_sources.h"
-#include "rasters/gdal_opener.h"
 #include "render/renderer.h"
 #include "scene/scene_json.h"
 
@@ -75,12 +74,11 @@ bool is_exr(const std::filesystem::path& path) {
 
 }  // namespace
 
-void render_scene(const Scene& scene, const RenderOutputs& outputs) {
+void render_scene(const Scene& scene, const RenderOutputs& outputs, const RasterAccess& rasters) {
   const auto start = Clock::now();
-  const std::unique_ptr<RasterOpener> opener = make_gdal_opener();
-  TerrainSources terrain = open_terrain(*opener, scene);  // bad files are told before a device is asked for
-  const SkySources sky = open_sky(*opener, scene);
-  const WeatherSources weather = open_weather(*opener, scene, terrain);
+  TerrainSources terrain = open_terrain(rasters, scene);  // bad files are told before a device is asked for
+  const SkySources sky = open_sky(rasters, scene);
+  const WeatherSources weather = open_weather(rasters, scene, terrain);
   gpu::Device device({.device = outputs.device, .validation = outputs.validation});
   Renderer renderer(device, std::move(terrain), scene, sky, weather);
   const double startup_ms = ms_since(start);

@@ -8,6 +8,8 @@
 
 namespace nepho {
 
+struct RasterAccess;
+
 /// What `nepho render` writes, and with which device. All names are checked before the device is opened.
 struct RenderOutputs {
   std::vector<std::filesystem::path> images;  ///< .exr or .png
@@ -19,6 +21,6 @@ struct RenderOutputs {
 };
 
 /// Draws a scene and writes its outputs. Throws Error.
-void render_scene(const Scene& scene, const RenderOutputs& outputs);
+void render_scene(const Scene& scene, const RenderOutputs& outputs, const RasterAccess& rasters);
 
 }  // namespace nepho

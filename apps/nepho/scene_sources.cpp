@@ -2,8 +2,6 @@
 
 #include "base/log.h"
 #include "io/mapped_raster.h"
-#include "rasters/default_earth.h"
-#include "rasters/gdal_opener.h"
 
 namespace nepho {
 
@@ -34,15 +32,18 @@ WeatherSources open_weather_files(const RasterOpener& opener, const Scene& scene
 
 }  // namespace
 
-TerrainSources open_terrain(const RasterOpener& opener, const Scene& scene) {
+TerrainSources open_terrain(const RasterAccess& rasters, const Scene& scene) {
   TerrainSources sources;
-  const DefaultEarth earth = scene.terrain.default_earth ? find_default_earth() : DefaultEarth{};
+  const RasterOpener& opener = *rasters.opener;
+  const DefaultEarth earth = scene.terrain.default_earth ? rasters.find_default_earth() : DefaultEarth{};
   if (scene.terrain.default_earth) {
     std::vector<std::string> missing;
     if (earth.elevation.empty()) missing.push_back("ferret-datasets (elevation)");
     if (earth.imagery.empty()) missing.push_back("marble-qt-data (imagery)");
     if (earth.night.empty()) missing.push_back("xplanet-images (night lights)");
-    if (!missing.empty())
+    if (!rasters.has_gdal())
+      log_warning("this build has no GDAL, and so no default Earth: the ground is bare and at sea level");
+    else if (!missing.empty())
       log_warning(
           "part of the default Earth is not installed: {}; install with apt-get install --no-install-recommends",
           fmt::join(missing, ", "));
@@ -59,30 +60,30 @@ TerrainSources open_terrain(const RasterOpener& opener, const Scene& scene) {
   return sources;
 }
 
-SkySources open_sky(const RasterOpener& opener, const Scene& scene) {
+SkySources open_sky(const RasterAccess& rasters, const Scene& scene) {
   SkySources sources;
-  const DefaultEarth earth = find_default_earth();
+  const DefaultEarth earth = rasters.find_default_earth();
   if ((scene.night_sky.moon && earth.moon.empty()) || (scene.night_sky.stars && earth.stars.empty()))
-    log_warning(
-        "marble-qt-data is not installed: the moon is plain grey and there are no stars; install it with apt-get "
-        "install --no-install-recommends marble-qt-data");
-  if (scene.night_sky.moon && !earth.moon.empty()) sources.moon_texture = opener.open_imagery(earth.moon);
+    log_warning("{}", rasters.has_gdal()
+                          ? "marble-qt-data is not installed: the moon is plain grey and there are no stars; install "
+                            "it with apt-get install --no-install-recommends marble-qt-data"
+                          : "this build has no GDAL: the moon is plain grey and there are no stars");
+  if (scene.night_sky.moon && !earth.moon.empty()) sources.moon_texture = rasters.opener->open_imagery(earth.moon);
   if (scene.night_sky.stars && !earth.stars.empty()) sources.stars = read_star_catalog(earth.stars);
   return sources;
 }
 
-WeatherSources open_weather(const RasterOpener& opener, const Scene& scene, const TerrainSources& terrain) {
-  WeatherSources sources = open_weather_files(opener, scene);
+WeatherSources open_weather(const RasterAccess& rasters, const Scene& scene, const TerrainSources& terrain) {
+  WeatherSources sources = open_weather_files(*rasters.opener, scene);
   sources.elevation = terrain.elevation;
   sources.geoid = terrain.geoid;
   return sources;
 }
 
-WeatherSources open_weather(const Scene& scene) {
-  const std::unique_ptr<RasterOpener> opener = make_gdal_opener();
-  WeatherSources sources = open_weather_files(*opener, scene);
-  sources.elevation =
-      open_elevation(*opener, scene, scene.terrain.default_earth ? find_default_earth() : DefaultEarth{});
+WeatherSources open_weather(const RasterAccess& rasters, const Scene& scene) {
+  WeatherSources sources = open_weather_files(*rasters.opener, scene);
+  sources.elevation = open_elevation(*rasters.opener, scene,
+                                     scene.terrain.default_earth ? rasters.find_default_earth() : DefaultEarth{});
   sources.geoid = egm96();
   return sources;
 }

@@ -1,12 +1,13 @@
 #!/bin/sh
-# bundle.sh BUILD_DIR OUT_DIR [TEST...]
+# bundle.sh BUILD_DIR OUT_DIR [TEST | --program NAME]...
 #
-# A relocatable copy of test programs, for a machine that has a Vulkan driver and none of our libraries or sources:
+# A relocatable copy of test programs and of programs, for a machine that has a Vulkan driver and none of our libraries or sources:
 #   OUT_DIR/run.sh TEST [doctest arguments]      e.g. OUT_DIR/run.sh test_atmosphere_gpu -s
+#   OUT_DIR/run.sh NAME [arguments]              e.g. OUT_DIR/run.sh nepho_portable render OUT_DIR/data/scenes/cirrus.json -o cirrus.png
 # Without names: every test program of BUILD_DIR that does not need GDAL. The machine's C and C++ runtimes are used (glibc and
 # libstdc++ must not be older than here), and its Vulkan loader where it has one.
 set -eu
-[ $# -ge 2 ] || { echo "usage: bundle.sh BUILD_DIR OUT_DIR [TEST...]" >&2; exit 2; }
+[ $# -ge 2 ] || { echo "usage: bundle.sh BUILD_DIR OUT_DIR [TEST | --program NAME]..." >&2; exit 2; }
 build=$1 out=$2
 shift 2
 source=$(cd "$(dirname "$0")/../.." && pwd)
@@ -21,9 +22,17 @@ fi
 
 rm -rf "$out"
 mkdir -p "$out/bin" "$out/lib" "$out/loader" "$out/oracles"
-for test in "$@"; do
-  program=$(find "$build/tests" -name "$test" -type f -perm -u+x | head -n 1)
-  [ -n "$program" ] || { echo "bundle.sh: $test is not in $build/tests; build it first" >&2; exit 3; }
+while [ $# -gt 0 ]; do
+  where=$build/tests
+  if [ "$1" = --program ]; then
+    where=$build/apps
+    shift
+    [ $# -gt 0 ] || { echo "bundle.sh: --program needs a name" >&2; exit 2; }
+  fi
+  test=$1
+  shift
+  program=$(find "$where" -name "$test" -type f -perm -u+x | head -n 1)
+  [ -n "$program" ] || { echo "bundle.sh: $test is not in $where; build it first" >&2; exit 3; }
   strip -o "$out/bin/$test" "$program"
   ldd "$program" | awk '$2 == "=>" && $3 ~ /^\// {print $3}' | while read -r library; do
     case $(basename "$library") in
@@ -36,18 +45,20 @@ for test in "$@"; do
 done
 cp "$source"/tests/oracles/*.csv "$out/oracles/"
 cp -r "$source/data" "$out/data"
+[ ! -f /usr/share/proj/egm96_15.gtx ] || { mkdir "$out/proj" && cp /usr/share/proj/egm96_15.gtx "$out/proj/"; }
 
 cat > "$out/run.sh" <<'RUN'
 #!/bin/sh
-# run.sh TEST [doctest arguments]: made by tests/tools/bundle.sh.
+# run.sh PROGRAM [arguments]: made by tests/tools/bundle.sh.
 here=$(cd "$(dirname "$0")" && pwd)
-[ $# -ge 1 ] || { echo "usage: run.sh TEST [doctest arguments]; tests:" $(ls "$here/bin") >&2; exit 2; }
+[ $# -ge 1 ] || { echo "usage: run.sh PROGRAM [arguments]; programs:" $(ls "$here/bin") >&2; exit 2; }
 test=$1
 shift
 libraries=$here/lib
 # The machine's own Vulkan loader, where it has one.
 { ldconfig -p 2>/dev/null || /sbin/ldconfig -p; } | grep -q libvulkan.so.1 || libraries=$libraries:$here/loader
 export LD_LIBRARY_PATH="$libraries${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
+export PROJ_DATA="${PROJ_DATA:+$PROJ_DATA:}$here/proj"
 export NEPHO_TEST_ORACLES="$here/oracles" NEPHO_DATA="$here/data" NEPHO_TEST_NO_VALIDATION=1
 exec "$here/bin/$test" "$@"
 RUN

@@ -1,0 +1,31 @@
+#include "nepho/run_main.h"
+
+#include <iostream>
+
+#include "nepho/cmd_info.h"
+#include "nepho/probe.h"
+#include "nepho/program.h"
+#include "nepho/render_scene.h"
+#include "nepho/scene_sources.h"
+#include "render/debug_views.h"
+#include "render/output_layers.h"
+
+namespace nepho {
+
+int run_main(int argc, char** argv, const RasterAccess& rasters) {
+  std::ios::sync_with_stdio(false);
+  return run_program(
+      {argv + 1, argv + argc},
+      {.render = [&](const Scene& scene, const RenderOutputs& outputs) { render_scene(scene, outputs, rasters); },
+       .probe = run_probe,
+       .info = [&](bool as_json, std::ostream& out) { print_info(as_json, out, rasters); },
+       .open_weather = [&](const Scene& scene) { return open_weather(rasters, scene); },
+       .layer_names = known_layers(),
+       .debug_views = known_debug_views(),
+       .probe_kinds = probe_kind_names(),
+       .in = std::cin,
+       .out = std::cout,
+       .err = std::cerr});
+}
+
+}  // namespace nepho
