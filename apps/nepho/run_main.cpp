@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include "nepho/cmd_info.h"
+#include "nepho/compare_pictures.h"
 #include "nepho/probe.h"
 #include "nepho/program.h"
 #include "nepho/render_scene.h"
@@ -17,6 +18,7 @@ int run_main(int argc, char** argv, const RasterAccess& rasters) {
   return run_program(
       {argv + 1, argv + argc},
       {.render = [&](const Scene& scene, const RenderOutputs& outputs) { render_scene(scene, outputs, rasters); },
+       .compare = compare_pictures,
        .probe = run_probe,
        .info = [&](bool as_json, std::ostream& out) { print_info(as_json, out, rasters); },
        .open_weather = [&](const Scene& scene) { return open_weather(rasters, scene); },
