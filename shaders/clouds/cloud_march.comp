@@ -7,6 +7,8 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
 #define CLOUD_BINDING 1
 #include "clouds/cloud_light.glsl"
+#include "clouds/octaves.h"
+layout(constant_id = 5) const bool OCTAVES = false;  // multiple scattering by octave_sum() instead of two wide lobes
 layout(set = 0, binding = 20, r32f) uniform readonly image2D depth_m;
 layout(set = 0, binding = 21, rgba32f) uniform writeonly image2D out_light;
 layout(set = 0, binding = 22, rgba32f) uniform writeonly image2D out_info;
@@ -336,6 +338,10 @@ void main() {
           // Sunlight waits for its shadow: what this stretch sends, by how fast each part fades with the depth to the sun.
           vec3 sent = vec3(w * phase, w_wide.xy * lobes * fill);
           float seen = w + 0.5 * (w_wide.x + w_wide.y);
+          if (OCTAVES) {
+            sent = vec3(w * albedo, 0.0, 0.0);
+            seen = w;
+          }
           pending += vec4(at * seen, sent);
           pending_seen += seen;
           lit = column;
@@ -393,7 +399,8 @@ void main() {
       float height_m = scaled_height_from_f(planet, entry_f_m2 + at_s * (f_slope + at_s * f_bend)) * length(q) * inv;
       float footprint_m = max(pixel_angle * at, 0.08 * max(at * 0.013, 27.0));
       float sun_depth = cloud_sun_depth(source_layers[i], columns[i], dir * at, sq * inv, height_m, log2(footprint_m));
-      light.x += dot(sources[i].yzw, exp(-sun_depth * vec3(1.0, kOctaves[0].sun, kOctaves[1].sun)));
+      if (OCTAVES) light.x += sources[i].y * octave_sum(cos_sun, CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight, sun_depth);
+      else light.x += dot(sources[i].yzw, exp(-sun_depth * vec3(1.0, kOctaves[0].sun, kOctaves[1].sun)));
     }
     if (transmittance < kOpaque) transmittance = 0.0;
   }

@@ -348,6 +348,14 @@ void describe_light(FieldVisitor& v, CloudParams& p) {
           .term = "two-lobe Henyey-Greenstein (Kattawar 1975)",
           .other_names = "scatterAnisotropyMix"},
          &p.phase_backward_weight);
+  v.leaf(
+      {.name = "multiple_scattering",
+       .doc =
+           "light scattered more than once, but for quality reference: lobes, two wide ones with thickness; octaves, "
+           "eight copies of single scattering with factors 0.5, for comparison",
+       .term = "octaves: multiple scattering approximation (Wrenninge 2013)",
+       .choices = {"lobes", "octaves"}},
+      &p.multiple_scattering);
   v.leaf({.name = "sky_light_scale",
           .doc = "times the light that the sky throws on clouds; 1 is physical",
           .range = closed(0, 10),
