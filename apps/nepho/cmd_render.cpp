@@ -49,6 +49,10 @@ void RenderCommand::add_to(CLI::App& command, const Program& program) {
   add_repeated(command, "-o,--output", images_, "OUT",
                "picture to write: .png (8 bit, tone mapped) or .exr (radiance and layers); may be repeated");
   command.add_option("--aov", aov_, "layers of EXR files, separated by commas; default: all")->type_name("NAME,...");
+  command
+      .add_option("--resume", resume_,
+                  "a picture of --quality reference (.exr with all layers) whose paths are gone on with")
+      ->type_name("FILE.exr");
   command.add_option("--timings", timings_, "times of start-up and every pass, as JSON")->type_name("FILE.json");
   command.add_option("--save-scene", save_scene_, "the scene as drawn, with all options in it")->type_name("FILE.json");
   command.add_option("--device", device_, kDeviceHelp)->type_name("NAME");
@@ -85,14 +89,29 @@ RenderOutputs RenderCommand::outputs(const Program& program) const {
   if (!aov_.empty()) outputs.layers = parse_layers(aov_, program.layer_names);
   outputs.debug = debug_;
   outputs.timings = timings_;
+  outputs.resume = resume_;
   outputs.device = device_;
   outputs.validation = validation_;
   return outputs;
 }
 
+void RenderCommand::check_reference(const Scene& scene, const RenderOutputs& wanted) const {
+  const bool reference = scene.render.quality == "reference";
+  if (reference && !wanted.debug.empty())
+    throw fail(ErrorKind::usage, "--debug {}: shows the march, which --quality reference does not use", wanted.debug);
+  if (!reference && !wanted.resume.empty())
+    throw fail(ErrorKind::usage, "--resume: the quality is {}; only --quality reference can go on", scene.render.quality);
+  for (const std::string& name : wanted.layers)
+    if (!reference && (name == "samples" || name.starts_with("variance")))
+      throw fail(ErrorKind::usage, "--aov {}: written by --quality reference only", name);
+}
+
 void RenderCommand::run(const Program& program) const {
   const RenderOutputs wanted = outputs(program);
   const Scene scene = scene_.scene();
+  check_reference(scene, wanted);
+  if (!wanted.resume.empty() && !fs::exists(wanted.resume))
+    throw fail(ErrorKind::input, "{}: no such file", wanted.resume.string());
   require_inputs(scene);
   for (const fs::path& image : wanted.images) require_writable(image);
   if (!timings_.empty()) require_writable(timings_);

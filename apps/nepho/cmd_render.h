@@ -13,10 +13,11 @@ class RenderCommand {
 
  private:
   RenderOutputs outputs(const Program& program) const;
+  void check_reference(const Scene& scene, const RenderOutputs& wanted) const;
 
   SceneOptions scene_;
   std::vector<std::string> images_;
-  std::string aov_, timings_, save_scene_, device_, debug_, upscale_;
+  std::string aov_, timings_, save_scene_, resume_, device_, debug_, upscale_;
   bool validation_ = false;
 };
 

@@ -38,6 +38,7 @@ constexpr Flag kFlags[] = {
     {"--visibility", "M", "atmosphere.mie.visibility_m"},
     {"--ozone-du", "DU", "atmosphere.ozone.column_du"},
     {"--frames", "N", "render.frames"},
+    {"--noise", "SHARE", "render.noise"},
     {"--seed", "N", "render.seed"},
 };
 
@@ -198,9 +199,6 @@ void SceneOptions::set_clouds(CloudParams& clouds) const {
 
 Scene SceneOptions::scene() const {
   if (given("--place") && given("--at")) throw fail(ErrorKind::usage, "--place and --at: give one of the two");
-  if (given("--quality") && text_.at("--quality") == "reference")
-    throw fail(ErrorKind::usage, "--quality reference: not supported yet");
-
   Scene scene;
   if (!file_.empty()) scene = load_scene(file_);
   if (given("--place") || (file_.empty() && !given("--at"))) {
@@ -221,6 +219,14 @@ Scene SceneOptions::scene() const {
   }
   scene.terrain.elevation.insert(scene.terrain.elevation.end(), terrain_.begin(), terrain_.end());
   scene.imagery.files.insert(scene.imagery.files.end(), imagery_.begin(), imagery_.end());
+  RenderParams& render = scene.render;
+  if (render.quality == "reference") {
+    // Neither a number of paths nor a noise: one that shows little on a screen.
+    constexpr double kDefaultNoise = 0.02;
+    if (render.noise == 0.0 && render.frames == 1 && !given("--frames")) render.noise = kDefaultNoise;
+  } else if (given("--noise")) {
+    throw fail(ErrorKind::usage, "--noise: the quality is {}; it stops --quality reference only", render.quality);
+  }
   validate(scene, ErrorKind::usage, option_of);
   return scene;
 }

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "base/error.h"
 #include "base/files.h"
 #include "base/log.h"
+#include "base/progress.h"
 #include "io/exr.h"
 #include "io/png.h"
 #include "nepho/scene_sources.h"
@@ -46,6 +49,19 @@ ExrAttributes make_attributes(const Scene& scene, const CameraPose& pose, double
   return a;
 }
 
+nlohmann::ordered_json work_of(const ReferenceCounts& c) {
+  const double paths = std::max(static_cast<double>(c.paths), 1.0), seconds = 1e-3 * c.trace_ms;
+  return {{"paths", c.paths},
+          {"trace_ms", c.trace_ms},
+          {"shade_ms", c.shade_ms},
+          {"paths_per_s", seconds > 0.0 ? paths / seconds : 0.0},
+          {"vertices_per_path", static_cast<double>(c.vertices) / paths},
+          {"density_reads_per_path", static_cast<double>(c.density_reads) / paths},
+          {"majorant_reads_per_path", static_cast<double>(c.moves) / paths},
+          {"majorants_exceeded_share",
+           static_cast<double>(c.overruns) / std::max(static_cast<double>(c.density_reads), 1.0)}};
+}
+
 void write_timings(const std::filesystem::path& path, const RenderTimings& t, const gpu::DeviceInfo& device,
                    const Scene& scene, double total_startup_ms, double output_ms) {
   nlohmann::ordered_json j;
@@ -62,6 +78,7 @@ void write_timings(const std::filesystem::path& path, const RenderTimings& t, co
   j["readback_ms"] = t.readback_ms;
   j["output_ms"] = output_ms;
   for (const gpu::PassTiming& p : t.passes) j["passes"].push_back({{"name", p.name}, {"gpu_ms", p.gpu_ms}});
+  if (t.reference.paths > 0) j["reference"] = work_of(t.reference);
   j["gpu_memory_bytes"] = t.gpu_memory_bytes;
   write_whole_file(path, [&](const std::filesystem::path& temporary) { write_text_file(temporary, j.dump(2) + "\n"); });
 }
@@ -72,10 +89,67 @@ bool is_exr(const std::filesystem::path& path) {
   return e == ".exr";
 }
 
+/// A picture to go on with, if it is of this very scene.
+ExrFile read_earlier(const std::filesystem::path& path, const Scene& scene) {
+  ExrFile file = read_exr(path);
+  const auto text = file.attributes.strings.find("nepho:scene");
+  if (text == file.attributes.strings.end())
+    throw fail(ErrorKind::input, "{}: no scene in its header; only a picture of --quality reference can be gone on with",
+               path.string());
+  // When to stop, and how to show it, may differ.
+  Scene was = scene_from_json(text->second, path.string());
+  const RenderParams& now = scene.render;
+  RenderParams& r = was.render;
+  r.frames = now.frames;
+  r.noise = now.noise;
+  r.exposure_ev100 = now.exposure_ev100;
+  r.min_ev100 = now.min_ev100;
+  r.max_ev100 = now.max_ev100;
+  r.exposure_compensation_ev = now.exposure_compensation_ev;
+  r.exposure_adaptation_s = now.exposure_adaptation_s;
+  r.white_balance_k = now.white_balance_k;
+  r.tone_curve = now.tone_curve;
+  if (scene_to_json(was) != scene_to_json(scene))
+    throw fail(ErrorKind::input, "{}: made from another scene; give the same scene, options and seed to go on", path.string());
+  return file;
+}
+
+std::string duration_text(double seconds) {
+  const auto s = static_cast<int64_t>(std::min(seconds, 3.6e6) + 0.5);
+  return s < 120 ? fmt::format("{} s", s) : s < 7200 ? fmt::format("{} min", s / 60) : fmt::format("{:.1f} h", static_cast<double>(s) / 3600.0);
+}
+
+/// While it lives, an interrupt (SIGINT, SIGTERM) is remembered instead of ending the program; a second one ends it.
+class InterruptGuard {
+ public:
+  InterruptGuard() {
+    interrupted_ = 0;
+    was_int_ = std::signal(SIGINT, on_signal);
+    was_term_ = std::signal(SIGTERM, on_signal);
+  }
+  ~InterruptGuard() {
+    std::signal(SIGINT, was_int_);
+    std::signal(SIGTERM, was_term_);
+  }
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+  static bool interrupted() { return interrupted_ != 0; }
+
+ private:
+  static void on_signal(int signal) {
+    interrupted_ = 1;
+    std::signal(signal, SIG_DFL);
+  }
+  static inline volatile std::sig_atomic_t interrupted_ = 0;
+  void (*was_int_)(int) = SIG_DFL;
+  void (*was_term_)(int) = SIG_DFL;
+};
+
 }  // namespace
 
 void render_scene(const Scene& scene, const RenderOutputs& outputs, const RasterAccess& rasters) {
   const auto start = Clock::now();
+  const ExrFile earlier = outputs.resume.empty() ? ExrFile{} : read_earlier(outputs.resume, scene);
   TerrainSources terrain = open_terrain(rasters, scene);  // bad files are told before a device is asked for
   const SkySources sky = open_sky(rasters, scene);
   const WeatherSources weather = open_weather(rasters, scene, terrain);
@@ -88,7 +162,27 @@ void render_scene(const Scene& scene, const RenderOutputs& outputs, const Raster
   request.layers = std::any_of(outputs.images.begin(), outputs.images.end(), [](const auto& p) { return is_exr(p); });
   request.wanted = outputs.layers;
   request.debug = outputs.debug;
-  const RenderResult result = renderer.render(request);
+  if (!outputs.resume.empty()) request.resume = &earlier.image;
+  std::optional<Progress> progress;
+  std::optional<InterruptGuard> guard;
+  if (scene.render.quality == "reference") {
+    guard.emplace();
+    progress.emplace("paths");
+    request.on_progress = [&](const ReferenceProgress& at) {
+      progress->update(at.fraction, fmt::format("{} a pixel, noise {:.1f} %, {} left", at.paths, 100.0 * at.noise,
+                                                duration_text(at.left_s)));
+      return !InterruptGuard::interrupted();
+    };
+  }
+  const RenderResult result = [&] {
+    try {
+      return renderer.render(request);
+    } catch (const Error& e) {
+      if (!request.resume || e.kind() != ErrorKind::input) throw;
+      throw fail(ErrorKind::input, "{}: {}", outputs.resume.string(), e.what());
+    }
+  }();
+  progress.reset();
   for (const std::string& message : device.take_validation_messages()) log_warning("{}", message);
 
   const auto written = Clock::now();
@@ -101,6 +195,9 @@ void render_scene(const Scene& scene, const RenderOutputs& outputs, const Raster
   const double output_ms = ms_since(written);
   if (!outputs.timings.empty())
     write_timings(outputs.timings, renderer.timings(), device.info(), scene, startup_ms, output_ms);
+  if (result.interrupted)
+    throw fail(ErrorKind::interrupted, "interrupted; the picture so far is written: {} paths a pixel, noise {:.1f} %; "
+               "go on with --resume and its .exr", result.reference.paths, 100.0 * result.reference.noise);
 }
 
 }  // namespace nepho

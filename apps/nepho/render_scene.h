@@ -15,6 +15,7 @@ struct RenderOutputs {
   std::vector<std::filesystem::path> images;  ///< .exr or .png
   std::set<std::string> layers;               ///< of EXR files, names of known_layers(); empty: all
   std::string debug;                          ///< a name of known_debug_views() instead of the picture; empty: none
+  std::filesystem::path resume;               ///< a picture of quality reference to go on with; empty: none
   std::filesystem::path timings;              ///< JSON; empty: none
   std::string device;                         ///< as gpu::DeviceOptions::device
   bool validation = false;                    ///< Vulkan validation layer

@@ -15,6 +15,7 @@ enum class ErrorKind {
   input = 3,    ///< a bad or missing input file: raster, scene, tour, unknown key
   device = 4,   ///< no usable Vulkan device
   failure = 5,  ///< anything else, such as an output that cannot be written
+  interrupted = 130,  ///< by a signal; what there was is written
 };
 
 /// A failure that ends the work in hand. The message is one line that names the thing, what was found, and what helps.

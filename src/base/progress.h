@@ -11,8 +11,8 @@ class Progress {
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
-  /// `fraction` in 0..1. Redraws at most ten times a second.
-  void update(double fraction);
+  /// `fraction` in 0..1; `note` stands behind it. Redraws at most ten times a second.
+  void update(double fraction, const std::string& note = {});
 
  private:
   std::string label_;

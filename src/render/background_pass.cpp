@@ -15,11 +15,6 @@ namespace nepho {
 
 static_assert(sizeof(shared::BackgroundPush) == 16);
 
-namespace {
-constexpr float kWind_mps = 6.0f;          // a moderate breeze over the sea, the ocean's mean
-constexpr float kNightLight_cd_m2 = 8.0f;  // city centres seen from above (VIIRS: some 1e-7 W/cm2/sr, about that)
-}  // namespace
-
 BackgroundPass::BackgroundPass(gpu::Device& device, uint32_t spectral_groups)
     : device_(device), spectral_groups_(spectral_groups) {}
 

@@ -11,6 +11,9 @@
 
 namespace nepho {
 
+inline constexpr float kWind_mps = 6.0f;          ///< a moderate breeze over the sea, the ocean's mean
+inline constexpr float kNightLight_cd_m2 = 8.0f;  ///< city centres seen from above (VIIRS: some 1e-7 W/cm2/sr)
+
 /// Shades the surface, the sky, stars, sun and moon as seen through clear air.
 /// Reads the terrain's images, the atmosphere tables, the night sky and, where there are clouds, their shadow on the
 /// surface. Writes radiance.

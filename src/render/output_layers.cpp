@@ -77,7 +77,12 @@ const std::vector<std::string>& known_layers() {
                                                  "cloud.transmittance",
                                                  "cloud.optical_depth",
                                                  "cloud.depth_m",
-                                                 "cloud.layer"};
+                                                 "cloud.layer",
+                                                 "variance",
+                                                 "variance.R",
+                                                 "variance.G",
+                                                 "variance.B",
+                                                 "samples"};
   return names;
 }
 
@@ -109,6 +114,10 @@ ImageBuffer make_output_layers(const FrameReadback& frame, const CameraPose& pos
     add_channel(out, "cloud.depth_m", [&](size_t i) { return frame.cloud_info[4 * i]; });
     add_channel(out, "cloud.optical_depth", [&](size_t i) { return frame.cloud_info[4 * i + 1]; });
     add_channel(out, "cloud.layer", [&](size_t i) { return frame.cloud_info[4 * i + 2]; });
+  }
+  if (!frame.variance.empty()) {
+    if (want_some("variance")) add_rgb(out, "variance.", frame.variance);
+    if (want_some("samples")) add_channel(out, "samples", [&](size_t i) { return frame.variance[4 * i + 3]; });
   }
   std::erase_if(out.channels, [&](const ImageChannel& c) { return c.name.size() > 1 && !want_channel(c.name); });
   return out;

@@ -18,6 +18,7 @@ struct FrameReadback {
   std::vector<float> albedo;      ///< RGBA; a: 0 sky, 1 land, 2 water
   std::vector<float> cloud;       ///< RGBA: premultiplied radiance, transmittance
   std::vector<float> cloud_info;  ///< RGBA: depth_m, optical depth, layer, -
+  std::vector<float> variance;    ///< RGBA, of quality reference: variance of the pixel's mean; paths. Else empty
 };
 
 /// Names that `--aov` knows: channels ("depth.Z") and groups of them ("position").

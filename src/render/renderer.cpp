@@ -1,4 +1,4 @@
-#include "render/renderer.h"
+#include "render/renderer_parts.h"
 
 #include <glm/gtc/packing.hpp>
 
@@ -6,16 +6,9 @@
 #include <cstring>
 
 #include "astro/sky_bodies.h"
-#include "atmosphere/atmosphere_tables.h"
 #include "atmosphere/luminance.h"
 #include "atmosphere/sky_view.h"
 #include "base/error.h"
-#include "clouds/cloud_march_pass.h"
-#include "render/background_pass.h"
-#include "render/debug_views.h"
-#include "render/exposure_passes.h"
-#include "render/frame_setup.h"
-#include "render/ground_shadow_pass.h"
 #include "render/output_layers.h"
 #include "render/render_shared.h"
 
@@ -38,53 +31,29 @@ std::vector<float> floats_from_half(const std::vector<uint16_t>& halves) {
 }
 }  // namespace
 
-struct Renderer::Parts {
-  Parts(gpu::Device& device, TerrainSources sources, const SkySources& sky_sources, const WeatherSources& weather,
-        const Scene& scene, RenderTimings& timings)
-      : executor(device),
-        terrain(device, std::move(sources), scene.terrain),
-        night_sky(device, sky_sources),
-        background(device, static_cast<uint32_t>(spectral_groups(scene.atmosphere))),
-        composite(device),
-        exposure(device) {
-    auto start = Clock::now();
-    atmosphere = std::make_unique<AtmosphereTables>(device, scene.atmosphere);
-    timings.atmosphere_ms = ms_since(start);
-    timings.atmosphere_cached = atmosphere->came_from_cache();
-    start = Clock::now();
-    if (!draws_nothing(scene.clouds))
-      clouds = std::make_unique<CloudParts>(device, scene.clouds, weather, atmosphere->spectral_groups());
-    timings.clouds_ms = ms_since(start);
+Renderer::Parts::Parts(gpu::Device& device, TerrainSources sources, const SkySources& sky_sources,
+                       const WeatherSources& weather, const Scene& scene, RenderTimings& timings)
+    : executor(device),
+      terrain(device, std::move(sources), scene.terrain),
+      night_sky(device, sky_sources),
+      background(device, static_cast<uint32_t>(spectral_groups(scene.atmosphere))),
+      composite(device),
+      exposure(device) {
+  auto start = Clock::now();
+  atmosphere = std::make_unique<AtmosphereTables>(device, scene.atmosphere);
+  timings.atmosphere_ms = ms_since(start);
+  timings.atmosphere_cached = atmosphere->came_from_cache();
+  start = Clock::now();
+  const bool reference_wanted = scene.render.quality == "reference";
+  if (reference_wanted || !draws_nothing(scene.clouds))
+    clouds = std::make_unique<CloudParts>(device, scene.clouds, weather, atmosphere->spectral_groups());
+  if (reference_wanted) {
+    ReferenceTracer::check_size({scene.render.width, scene.render.height});
+    reference = std::make_unique<ReferenceTracer>(device, scene, clouds->clouds, atmosphere->spectral_groups());
   }
+  timings.clouds_ms = ms_since(start);
+}
 
-  /// Absent under a clear sky, which then costs nothing.
-  struct CloudParts {
-    CloudParts(gpu::Device& device, const CloudParams& params, const WeatherSources& sources, uint32_t spectral_groups)
-        : clouds(device, params, sources), march(device, clouds, spectral_groups), shadow(device, clouds), debug(device, clouds) {}
-    Clouds clouds;
-    CloudMarchPass march;
-    GroundShadowPass shadow;
-    DebugViewPass debug;
-  };
-
-  gpu::GraphExecutor executor;
-  Terrain terrain;
-  NightSky night_sky;
-  std::unique_ptr<AtmosphereTables> atmosphere;
-  std::unique_ptr<AtmosphereTables> next_atmosphere;  ///< being computed, see Renderer::set_atmosphere
-  std::unique_ptr<CloudParts> clouds;
-  BackgroundPass background;
-  CompositePass composite;
-  ExposurePasses exposure;
-  SkyBodies sky;
-  FrameLight light;
-  double time_s = 0.0;
-  CameraPose pose;
-};
-
-namespace {
-
-/// The sky views of a frame, one per light; none high up.
 std::vector<shared::SkyView> sky_views_of(const shared::AtmosphereUniform& air, const shared::FrameConstants& frame) {
   std::vector<shared::SkyView> views;
   if (!has_sky_view(air, frame.planet)) return views;
@@ -94,6 +63,8 @@ std::vector<shared::SkyView> sky_views_of(const shared::AtmosphereUniform& air, 
         make_sky_view(air, frame.planet, frame.camera_up, i == 0 ? frame.sun_dir : frame.moon_dir, i, count));
   return views;
 }
+
+namespace {
 
 /// References to what a frame leaves behind.
 struct FrameOutputs {
@@ -157,6 +128,7 @@ void Renderer::advance_atmosphere() {
 CameraPose Renderer::pose() const { return parts_->pose; }
 
 RenderResult Renderer::render(const RenderRequest& request) {
+  if (parts_->reference) return render_reference(request);
   Parts& p = *parts_;
   const Extent2D extent{scene_.render.width, scene_.render.height};
   const uint32_t frames = std::max(1u, scene_.render.frames);

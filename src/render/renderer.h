@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -8,6 +9,7 @@
 #include "io/image_buffer.h"
 #include "render/camera_pose.h"
 #include "render/night_sky.h"
+#include "render/reference_counts.h"
 #include "scene/scene.h"
 #include "terrain/terrain.h"
 #include "weather/weather_map.h"
@@ -25,6 +27,15 @@ struct RenderTimings {
   double readback_ms = 0.0;             ///< downloads and output layers
   std::vector<gpu::PassTiming> passes;  ///< of the last frame
   uint64_t gpu_memory_bytes = 0;
+  ReferenceCounts reference;  ///< of quality reference
+};
+
+/// How far a path-traced reference is.
+struct ReferenceProgress {
+  uint64_t paths = 0;     ///< of every pixel so far
+  double noise = 0.0;     ///< relative standard error of the luminance that 95 % of the pixels have; 1 while unknown
+  double fraction = 0.0;  ///< 0..1, about
+  double elapsed_s = 0.0, left_s = 0.0;
 };
 
 struct RenderRequest {
@@ -34,6 +45,11 @@ struct RenderRequest {
   std::string debug = {};        ///< a name of known_debug_views() instead of the picture; empty: the picture
   /// Scene time since the last picture, s, for the adaptation of automatic exposure; 0: a still, which does not adapt.
   double frame_interval_s = 0.0;
+  /// Quality reference: called between dispatches; false ends the picture where it is.
+  std::function<bool(const ReferenceProgress&)> on_progress = {};
+  /// Quality reference: goes on from this picture's paths (its layers R, G, B, variance, samples and cloud). Null: from
+  /// none. Throws Error(input) for a picture without them or of another size.
+  const ImageBuffer* resume = nullptr;
 };
 
 struct RenderResult {
@@ -41,6 +57,8 @@ struct RenderResult {
   std::vector<uint8_t> display_rgb;  ///< sRGB, 8 bit, width * height * 3
   CameraPose pose;
   double ev100 = 0.0;  ///< exposure of the 8-bit picture
+  ReferenceProgress reference;     ///< of quality reference
+  bool interrupted = false;        ///< on_progress said so
 };
 
 /// Draws scenes: orders one frame as docs/architecture.md tells it. Holds tables, noise and tiles between frames.
@@ -62,6 +80,7 @@ class Renderer {
 
  private:
   void advance_atmosphere();
+  RenderResult render_reference(const RenderRequest& request);
   struct Parts;
   static std::vector<uint8_t> debug_picture(Parts& parts, const std::string& view, ImageRef image, size_t pixels);
   Scene scene_;

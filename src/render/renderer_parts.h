@@ -1,0 +1,53 @@
+#pragma once
+// What a renderer is made of; for renderer.cpp and renderer_reference.cpp.
+#include <memory>
+
+#include "atmosphere/atmosphere_tables.h"
+#include "clouds/cloud_march_pass.h"
+#include "gpu/graph_executor.h"
+#include "render/background_pass.h"
+#include "render/debug_views.h"
+#include "render/exposure_passes.h"
+#include "render/frame_setup.h"
+#include "render/ground_shadow_pass.h"
+#include "render/night_sky.h"
+#include "render/reference_tracer.h"
+#include "render/renderer.h"
+#include "terrain/terrain.h"
+
+namespace nepho {
+
+struct Renderer::Parts {
+  Parts(gpu::Device& device, TerrainSources sources, const SkySources& sky_sources, const WeatherSources& weather,
+        const Scene& scene, RenderTimings& timings);
+
+  /// Absent under a clear sky, which then costs nothing.
+  struct CloudParts {
+    CloudParts(gpu::Device& device, const CloudParams& params, const WeatherSources& sources, uint32_t spectral_groups)
+        : clouds(device, params, sources), march(device, clouds, spectral_groups), shadow(device, clouds), debug(device, clouds) {}
+    Clouds clouds;
+    CloudMarchPass march;
+    GroundShadowPass shadow;
+    DebugViewPass debug;
+  };
+
+  gpu::GraphExecutor executor;
+  Terrain terrain;
+  NightSky night_sky;
+  std::unique_ptr<AtmosphereTables> atmosphere;
+  std::unique_ptr<AtmosphereTables> next_atmosphere;  ///< being computed, see Renderer::set_atmosphere
+  std::unique_ptr<CloudParts> clouds;
+  std::unique_ptr<ReferenceTracer> reference;  ///< of quality reference
+  BackgroundPass background;
+  CompositePass composite;
+  ExposurePasses exposure;
+  SkyBodies sky;
+  FrameLight light;
+  double time_s = 0.0;
+  CameraPose pose;
+};
+
+/// The sky views of a frame, one per light; none high up.
+std::vector<shared::SkyView> sky_views_of(const shared::AtmosphereUniform& air, const shared::FrameConstants& frame);
+
+}  // namespace nepho
