@@ -16,8 +16,8 @@
 namespace nepho {
 namespace {
 
-constexpr double kCameraGap_m = 20.0;  // of the cameras above and below
-constexpr uint32_t kDirectionPx = 8;   // of a direction's frame: the march's jitter needs some pixels to average out
+constexpr double kCameraGap_m = 20.0;     // of the cameras above and below
+constexpr Extent2D kDirectionSize{8, 4};  // of a direction's frame: the march's jitter needs some pixels to average out
 constexpr double kDirectionHalf_rad = 1e-3;
 constexpr uint32_t kSpectralGroups = 1;  // of the lighting, which is not run
 
@@ -35,10 +35,8 @@ Window window_of(const SlabDirection& d) {
   const dvec3 flat = std::cos(phi) * kEast + std::sin(phi) * kNorth,
               aside = -std::sin(phi) * kEast + std::cos(phi) * kNorth;
   const double z = d.up ? d.mu : -d.mu;
-  return {sine * flat + z * kUp,
-          kDirectionHalf_rad * aside,
-          kDirectionHalf_rad * (sine * kUp - z * flat),
-          {kDirectionPx, kDirectionPx}};
+  return {sine * flat + z * kUp, kDirectionHalf_rad * aside, kDirectionHalf_rad * (sine * kUp - z * flat),
+          kDirectionSize};
 }
 
 /// The northern half of a hemisphere of travel around `axis` (up or down), which mirrors the southern, as parts of the
@@ -109,10 +107,11 @@ std::vector<double> flux_weights(const Window& w) {
 /// The view from below that looks at the sun.
 Window sun_window(double mu0) { return window_of({.up = false, .mu = mu0, .phi_deg = 0.0}); }
 
-/// Pictures of the two hemispheres: peaks of scattering, about 1 - |g| wide, want four pixels.
+/// Pixels along a cube's face. The sum over them is a midpoint rule: with g 0.85 24 of them give fluxes within 0.3 % of
+/// those of 128, and the error falls as their square. Peaks of scattering are about 1 - |g| wide.
 uint32_t face_px_for(double g) {
-  const double wanted = 2.0 / (0.25 * std::max(1.0 - std::abs(g), 0.02));
-  return std::clamp(16u * static_cast<uint32_t>(std::ceil(wanted / 16.0)), 32u, 256u);
+  const double wanted = 3.0 / std::max(1.0 - std::abs(g), 1e-3);
+  return std::clamp(8u * static_cast<uint32_t>(std::ceil(wanted / 8.0)), 24u, 256u);
 }
 
 struct Hemispheres {
@@ -156,9 +155,10 @@ shared::CloudConstants slab_constants(const Clouds& clouds, const Slab& slab) {
   const CloudParams params = slab_clouds(slab);
   const double extinction_per_m = params.scattering_per_m + params.absorption_per_m;
   c.layers[0].extinction_per_m = static_cast<float>(extinction_per_m);
-  c.layers[0].step_m = static_cast<float>(march_step_m(params.layers[0].cell_size_m, extinction_per_m));
+  c.layers[0].step_m =
+      static_cast<float>(march_step_m(params.layers[0].cell_size_m, static_cast<double>(c.layers[0].extinction_per_m)));
   c.extinction_unit_per_m = static_cast<float>(extinction_per_m);
-  c.single_scattering_albedo = static_cast<float>(slab.single_scattering_albedo);
+  c.single_scattering_albedo = static_cast<float>(params.scattering_per_m / extinction_per_m);
   c.phase_g_forward = static_cast<float>(slab.g);
   c.phase_backward_weight = 0.0f;
   return c;

@@ -62,7 +62,7 @@ shared::CloudConstants slab_constants(const Clouds& clouds, const Slab& slab);
 /// means over half a tenth of a degree to all sides; fluxes are sums over pictures of the hemisphere.
 class MarchedSlabs : public SlabSolver {
  public:
-  /// `face_px`: pixels along a cube face of those pictures, a multiple of 16; 0: as many as each slab needs.
+  /// `face_px`: pixels along a cube face of those pictures, a multiple of 8; 0: as many as each slab needs.
   explicit MarchedSlabs(gpu::Device& device, uint32_t face_px = 0);
   ~MarchedSlabs() override;
   std::vector<SlabLight> solve(std::span<const Slab> slabs) override;
