@@ -167,7 +167,7 @@ TEST_CASE("an unknown key is an error with its path, the file and the nearest ke
   CHECK(reading_fails(R"({"cluods": {}})") == "s.json: unknown key 'cluods'; did you mean 'clouds'?");
   CHECK(reading_fails(R"({"clouds": {"layers": [{}, {"bas_m": 1}]}})") ==
         "s.json: unknown key 'clouds.layers[1].bas_m'; did you mean 'base_m'?");
-  CHECK(reading_fails(R"({"imagery": {"q": 1}})") == "s.json: unknown key 'imagery.q'; known here: files");
+  CHECK(reading_fails(R"({"imagery": {"q": 1}})") == "s.json: unknown key 'imagery.q'; known here: files, bare_albedo");
 }
 
 TEST_CASE("a value out of its range is an error with path, value and range") {
@@ -189,7 +189,7 @@ TEST_CASE("a value out of its range is an error with path, value and range") {
   CHECK(reading_fails(R"({"clouds": {"layers": [{}, {}, {}, {}, {}]}})") ==
         "s.json: clouds.layers: 5 items found; 4 at most");
   CHECK(reading_fails(R"({"render": {"quality": "hihg"}})") ==
-        "s.json: render.quality: 'hihg' is not one of low, medium, high, ultra; did you mean 'high'?");
+        "s.json: render.quality: 'hihg' is not one of low, medium, high, ultra, reference; did you mean 'high'?");
 }
 
 TEST_CASE("a wrong type is an error with path, what is expected and what was found") {
