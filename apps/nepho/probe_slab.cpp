@@ -48,10 +48,12 @@ std::vector<ProbeColumn> columns_of(const std::vector<SlabLight>& lights) {
 
 std::vector<ProbeColumn> evaluate(const ProbeTable& in, const ProbeOptions& options) {
   const std::vector<Slab> slabs = read_slabs(in);
+  if (options.scene.render.quality == "reference")
+    throw fail(ErrorKind::usage, "probe slab: quality 'reference' is not there yet; low, medium, high and ultra are");
   std::vector<SlabLight> lights;
   if (!slabs.empty()) {
     gpu::Device device({.device = options.device});
-    lights = MarchedSlabs(device).solve(slabs);
+    lights = MarchedSlabs(device, options.scene.clouds.multiple_scattering).solve(slabs);
   }
   return columns_of(lights);
 }

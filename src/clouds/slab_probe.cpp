@@ -165,10 +165,10 @@ shared::CloudConstants slab_constants(const Clouds& clouds, const Slab& slab) {
 }
 
 struct MarchedSlabs::Parts {
-  Parts(gpu::Device& gpu_device, uint32_t px)
+  Parts(gpu::Device& gpu_device, const CloudParams& params, uint32_t px)
       : device(gpu_device),
         face_px(px),
-        clouds(device, slab_clouds({})),
+        clouds(device, params),
         march(device, clouds, kSpectralGroups),
         executor(device) {
     for (const SlabDirection& d : slab_directions()) directions.push_back(view_of(device, window_of(d), d.up));
@@ -246,7 +246,11 @@ SlabLight MarchedSlabs::Parts::solve(const Slab& slab) {
   return out;
 }
 
-MarchedSlabs::MarchedSlabs(gpu::Device& device, uint32_t face_px) : parts_(std::make_unique<Parts>(device, face_px)) {}
+MarchedSlabs::MarchedSlabs(gpu::Device& device, const std::string& multiple_scattering, uint32_t face_px) {
+  CloudParams params = slab_clouds({});
+  params.multiple_scattering = multiple_scattering;
+  parts_ = std::make_unique<Parts>(device, params, face_px);
+}
 MarchedSlabs::~MarchedSlabs() = default;
 
 std::vector<SlabLight> MarchedSlabs::solve(std::span<const Slab> slabs) {

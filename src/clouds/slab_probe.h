@@ -62,8 +62,9 @@ shared::CloudConstants slab_constants(const Clouds& clouds, const Slab& slab);
 /// means over half a tenth of a degree to all sides; fluxes are sums over pictures of the hemisphere.
 class MarchedSlabs : public SlabSolver {
  public:
-  /// `face_px`: pixels along a cube face of those pictures, a multiple of 8; 0: as many as each slab needs.
-  explicit MarchedSlabs(gpu::Device& device, uint32_t face_px = 0);
+  /// `multiple_scattering`: as CloudParams::multiple_scattering. `face_px`: pixels along a cube face of those pictures,
+  /// a multiple of 8; 0: as many as each slab needs.
+  explicit MarchedSlabs(gpu::Device& device, const std::string& multiple_scattering = "lobes", uint32_t face_px = 0);
   ~MarchedSlabs() override;
   std::vector<SlabLight> solve(std::span<const Slab> slabs) override;
 

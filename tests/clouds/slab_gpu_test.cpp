@@ -68,7 +68,7 @@ TEST_CASE("gpu: thicker slabs reflect more, absorbing ones less; isotropic ones 
 
 TEST_CASE("gpu: pictures of the hemispheres seven times as fine change fluxes by less than 0.4 %") {
   SlabFixture f;
-  MarchedSlabs fine(f.device, 64);
+  MarchedSlabs fine(f.device, "lobes", 64);
   for (const double mu0 : {1.0, 0.5}) {
     const Slab slab{.tau = 1.0, .g = 0.85, .mu0 = mu0};
     const SlabLight a = f.solve(slab), b = fine.solve({&slab, 1}).front();
