@@ -62,6 +62,27 @@ struct PathCounts {
   uint paths, vertices, density_reads, moves, overruns;  // overruns: extinction above its majorant
 };
 
+// Work that invocations share.
+struct PathWork {
+  uint next;      // path of the batch to begin next
+  uint unfinished;  // invocations of the last dispatch that stopped in the middle of a path
+  PathCounts counts;
+};
+
+// A path in the middle, as an invocation leaves it to the same one of the next dispatch. (Mesa's software driver ends every loop
+// of an invocation after 65536 turns of all its loops together, wordlessly.)
+struct PathLane {
+  uint state;        // 0: no path
+  uint item, pixel;
+  uint random_state, random_increment;
+  uint kind_and_flags;  // PathResult::kind; 256: it comes from the camera still
+  uint surface_xy;
+  float first_m, first_weight;
+  float s, end_m, left, shadow;
+  vec3 origin, dir;     // of the flight
+  vec3 weight, pending, next_dir, sunlit;
+};
+
 // Octahedral coordinates of a unit vector (Cigolle et al. 2014), 16 bit each.
 SHARED_FN uint pack_direction(vec3 d) {
   float sum = abs(d.x) + abs(d.y) + abs(d.z);

@@ -29,9 +29,11 @@ layout(set = 0, binding = 15) uniform sampler2D surface_normal;
 layout(set = 0, binding = 16) uniform sampler2D key_tex;         // illuminance of the key light over (mu, height)
 #define GROUND_MAP_BINDING 17  // and 18
 #include "terrain/ground_map.glsl"
-layout(scalar, set = 0, binding = 20) buffer CounterBlock { uint next; PathCounts counts; } work;
+layout(scalar, set = 0, binding = 20) buffer WorkBlock { PathWork data; } work;
 layout(scalar, set = 0, binding = 21) writeonly buffer ResultBlock { PathResult at[]; } results;
 layout(scalar, set = 0, binding = 22) readonly buffer RayBlock { PathRay at[]; } rays;
+layout(scalar, set = 0, binding = 23) buffer LaneBlock { PathLane at[]; } lanes;
+layout(constant_id = 16) const uint TURNS = 0u;  // of an invocation's loop; 0: until there is nothing to do
 layout(push_constant, scalar) uniform PushBlock { PathPush push; };
 
 const float kFar_m = 1.0e9;
@@ -138,7 +140,8 @@ float bound_along(Flight f, out float reach_m) {
   if (slice >= 0) {
     RegionMap map = scene.bounds.map;
     vec2 xy = region_xy(map, p.dir);
-    uint level = region_level(map, xy);
+    // region_level() without its loop.
+    uint level = uint(max(floor(log2(max(max(abs(xy.x), abs(xy.y)) / map.half_m, 0.5))) + 1.0, 0.0));
     if (level < map.levels) {
       // Velocity on the map, per metre of the flight.
       vec3 turn = (f.scaled_dir - p.dir * dot(p.dir, f.scaled_dir)) * p.inv_q;
@@ -176,6 +179,9 @@ float bound_along(Flight f, out float reach_m) {
   reach_m = max(reach_m, 0.1);
   return sigma;
 }
+
+// Optical depth to the next tentative collision. (Above 0: a logarithm that is but nearly exact may give less at 1.)
+float optical_draw(inout Random random) { return max(-log(1.0 - random_unit(random)), 1.0e-9); }
 
 // Extinction at a place, all layers; the layer that has most of it.
 float extinction_at(vec3 p, vec3 up, float height_m, out uint slot) {
@@ -223,12 +229,33 @@ void main() {
   bool from_camera = true;
   uint paths = 0u, vertices = 0u, reads = 0u, moves = 0u, overruns = 0u;
 
-  while (true) {
+  uint lane = gl_GlobalInvocationID.x, turns = 0u;
+  if (TURNS > 0u) {
+    PathLane saved = lanes.at[lane];
+    state = saved.state;
+    item = saved.item;
+    pixel = saved.pixel;
+    random = Random(saved.random_state, saved.random_increment);
+    result = PathResult(vec3(0.0), saved.first_m, vec3(0.0), saved.first_weight, 0.0, 0u, 0u, saved.kind_and_flags & 255u);
+    from_camera = (saved.kind_and_flags & 256u) != 0u;
+    surface_pixel = ivec2(saved.surface_xy & 0xffffu, saved.surface_xy >> 16u);
+    if (state != kFetch) flight = flight_from(saved.origin, saved.dir);
+    flight.s = saved.s;
+    flight.end_m = saved.end_m;
+    flight.left = saved.left;
+    shadow = saved.shadow;
+    weight = saved.weight;
+    pending = saved.pending;
+    next_dir = saved.next_dir;
+    sunlit = saved.sunlit;
+  }
+  while (TURNS == 0u || turns < TURNS) {
+    ++turns;
     bool begin = false;  // a flight from `start` along `way`
     vec3 start = vec3(0.0), way = vec3(0.0);
     if (state == kFetch) {
-      item = atomicAdd(work.next, 1u);
-      if (item >= items) break;
+      item = atomicAdd(work.data.next, 1u);
+      if (item >= items) break;  // the state stays: no path
       ++paths;
       pixel = push.first_pixel + item / push.samples;
       random = random_stream(pixel, push.first_sample + item % push.samples, push.seed);
@@ -258,7 +285,7 @@ void main() {
       flight = flight_from(start, way);
       flight.s = start_m < kFar_m ? 0.0 : kFar_m;
       flight.end_m = MODE == kTable ? distance_to_ground_map(flight) : end_m;
-      flight.left = -log(1.0 - random_unit(random));
+      flight.left = optical_draw(random);
     }
 
     // Along the flight to the next tentative collision, or to its end.
@@ -269,7 +296,7 @@ void main() {
       majorant = bound_along(flight, reach_m);
       ++moves;
       float to_end = min(reach_m, flight.end_m - flight.s);
-      if (majorant * to_end > flight.left) {
+      if (majorant > 0.0 && majorant * to_end > flight.left) {
         flight.s += flight.left / majorant;
         tentative = true;
       } else {
@@ -289,7 +316,7 @@ void main() {
       float sigma = extinction_at(p, here.up, here.height_m, slot);
       ++reads;
       float share = sigma / majorant, u = random_unit(random);
-      flight.left = -log(1.0 - random_unit(random));
+      flight.left = optical_draw(random);
       if (sigma > 1.001 * majorant) ++overruns;
       if (state == kShadow) {
         shadow *= 1.0 - share;
@@ -431,16 +458,22 @@ void main() {
       flight = flight_from(start, way);
       // The planet's own shadow is in the key light's table.
       if (MODE != kFurnace && state == kMain) flight.end_m = distance_to_ground_map(flight);
-      flight.left = -log(1.0 - random_unit(random));
+      flight.left = optical_draw(random);
     }
     if (state == kFetch) {
       result.sunlit = sunlit;
       results.at[item] = result;
     }
   }
-  atomicAdd(work.counts.paths, paths);
-  atomicAdd(work.counts.vertices, vertices);
-  atomicAdd(work.counts.density_reads, reads);
-  atomicAdd(work.counts.moves, moves);
-  atomicAdd(work.counts.overruns, overruns);
+  if (TURNS > 0u) {
+    if (state != kFetch) atomicAdd(work.data.unfinished, 1u);
+    lanes.at[lane] = PathLane(state, item, pixel, random.state, random.increment, result.kind | (from_camera ? 256u : 0u),
+                              uint(surface_pixel.x) | (uint(surface_pixel.y) << 16u), result.first_m, result.first_weight, flight.s,
+                              flight.end_m, flight.left, shadow, flight.origin, flight.dir, weight, pending, next_dir, sunlit);
+  }
+  atomicAdd(work.data.counts.paths, paths);
+  atomicAdd(work.data.counts.vertices, vertices);
+  atomicAdd(work.data.counts.density_reads, reads);
+  atomicAdd(work.data.counts.moves, moves);
+  atomicAdd(work.data.counts.overruns, overruns);
 }

@@ -1,5 +1,9 @@
 #include "clouds/path_tracer.h"
 
+#include <algorithm>
+#include <cstring>
+#include <span>
+
 #include "base/error.h"
 #include "clouds/path_trace.comp.h"
 #include "gpu/commands.h"
@@ -10,16 +14,17 @@ namespace {
 static_assert(sizeof(shared::PathResult) == 48);
 static_assert(sizeof(shared::PathRay) == 32);
 static_assert(sizeof(shared::PathPush) == 36);
-static_assert(sizeof(shared::PathCounts) == 20);
+static_assert(sizeof(shared::PathWork) == 28);
+static_assert(sizeof(shared::PathLane) == 13 * 4 + 6 * 12);
 
 struct SceneBlock {
   shared::CloudBounds bounds;
   shared::RegionMap ground;
 };
 
-/// Invocations that take paths from the counter: enough to fill a large GPU; a software device runs a few at a time, and
-/// the rest find nothing to do.
-constexpr uint32_t kThreadsOfGpu = 512 * 1024, kThreadsOfCpu = 1024;
+/// Invocations that take paths from the counter: enough to fill a large GPU. A software device runs a few at a time, for
+/// so many turns of their loop (its limit is 65536 of all loops together; a turn takes some 100).
+constexpr uint32_t kThreadsOfGpu = 512 * 1024, kThreadsOfCpu = 2048, kTurnsOfCpu = 400;
 
 }  // namespace
 
@@ -36,41 +41,78 @@ PathTracer::PathTracer(gpu::Device& device, const Clouds& clouds, Mode mode)
   device.upload(uploads);
 }
 
-PathTracer::Outputs PathTracer::add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in,
-                                    const shared::PathPush& push) const {
-  const uint32_t paths = push.pixels * push.samples;
-  NEPHO_ASSERT(paths <= kMostPaths);
-  const Outputs out{.results = graph.create_buffer("paths.results", uint64_t{paths} * sizeof(shared::PathResult)),
-                    .work = graph.create_buffer("paths.work", 4 + sizeof(shared::PathCounts))};
-  graph.pass("paths.begin").zero("work", out.work).record([](gpu::Commands& cmd) { cmd.zero("work"); });
-  const uint32_t phases = clouds_.phases_at(frame.time_s);
-  gpu::ComputePipeline& pipeline = trace_[phases - 1];
-  if (!pipeline) {
+const gpu::ComputePipeline& PathTracer::pipeline(uint32_t phases) {
+  gpu::ComputePipeline& wanted = trace_[phases - 1];
+  if (!wanted) {
     std::vector<uint32_t> constants = clouds_.specialisation(phases);
+    constants.resize(17, 0u);
     constants[0] = static_cast<uint32_t>(mode_);
-    pipeline =
-        gpu::ComputePipeline(device_, {.name = "paths.trace", .spirv = path_trace_comp, .constants = constants});
+    constants[16] = device_.info().is_software ? kTurnsOfCpu : 0u;
+    wanted = gpu::ComputePipeline(device_, {.name = "paths.trace", .spirv = path_trace_comp, .constants = constants});
   }
-  const ImageRef none = graph.import(none_2d_), none_array = graph.import(none_array_);
-  const auto or_none = [&](ImageRef image) { return image ? image : none; };
-  const SceneBlock scene{in.bounds->data(), in.ground};
-  auto pass = graph.pass("paths.trace");
-  pass.uniform("frame", frame.buffer)
-      .uniform("scene", graph.constants("paths.scene", scene))
-      .sample("bounds_tex", graph.import(in.bounds->image()), Sampler::nearest_clamp)
-      .sample("surface_depth", or_none(in.surface_depth), Sampler::nearest_clamp)
-      .sample("surface_albedo", or_none(in.surface_albedo), Sampler::nearest_clamp)
-      .sample("surface_normal", or_none(in.surface_normal), Sampler::nearest_clamp)
-      .sample("key_tex", or_none(in.key))
-      .sample("ground_albedo_tex", in.ground_albedo ? in.ground_albedo : none_array)
-      .sample("ground_height_tex", in.ground_height ? in.ground_height : none_array)
-      .read("rays", in.rays ? in.rays : graph.constants("paths.no_rays", shared::PathRay{}))
-      .read_write("work", out.work)
-      .write("results", out.results);
-  bind_density(pass, in.density);
-  const uint32_t threads = std::min(paths, device_.info().is_software ? kThreadsOfCpu : kThreadsOfGpu);
-  pass.record([&pipeline, push, threads](gpu::Commands& cmd) { cmd.bind(pipeline).push(push).dispatch_threads(threads); });
-  return out;
+  return wanted;
+}
+
+void PathTracer::run(gpu::GraphExecutor& executor, const FrameInfo& frame,
+                     const std::function<Inputs(FrameGraph&, const FrameInfo&)>& make_inputs,
+                     const shared::PathPush& push) {
+  const uint32_t paths = push.pixels * push.samples;
+  NEPHO_ASSERT(paths > 0 && paths <= kMostPaths);
+  const bool software = device_.info().is_software;
+  const uint32_t threads = std::min((paths + 63) / 64 * 64, software ? kThreadsOfCpu : kThreadsOfGpu);
+  const auto hold = [&](gpu::Buffer& buffer, const char* name, uint64_t bytes) {
+    if (!buffer || buffer.desc().size_bytes < bytes)
+      buffer = device_.create_buffer({.name = name, .size_bytes = bytes});
+  };
+  hold(results_, "paths.results", uint64_t{paths} * sizeof(shared::PathResult));
+  hold(work_, "paths.work", sizeof(shared::PathWork));
+  hold(lanes_, "paths.lanes", uint64_t{software ? threads : 1} * sizeof(shared::PathLane));
+  counts_ = {};
+  trace_ms_ = 0.0;
+  shared::PathWork work{};
+  for (bool first = true; first || work.next < paths || work.unfinished > 0; first = false) {
+    FrameGraph graph;
+    FrameInfo here = frame;
+    here.buffer = graph.constants("frame", here.constants);
+    const Inputs in = make_inputs(graph, here);
+    const BufferRef work_ref = graph.import(work_), lanes_ref = graph.import(lanes_);
+    if (first) {
+      graph.pass("paths.begin").zero("work", work_ref).zero("lanes", lanes_ref).effect().record([](gpu::Commands& cmd) {
+        cmd.zero("work").zero("lanes");
+      });
+    } else {
+      work.unfinished = 0;
+      const gpu::BufferUpload upload{&work_, 0, std::as_bytes(std::span(&work, 1))};
+      device_.upload({}, {&upload, 1});
+    }
+    const ImageRef none = graph.import(none_2d_), none_array = graph.import(none_array_);
+    const auto or_none = [&](ImageRef image) { return image ? image : none; };
+    auto pass = graph.pass("paths.trace");
+    pass.uniform("frame", here.buffer)
+        .uniform("scene", graph.constants("paths.scene", SceneBlock{in.bounds->data(), in.ground}))
+        .sample("bounds_tex", graph.import(in.bounds->image()), Sampler::nearest_clamp)
+        .sample("surface_depth", or_none(in.surface_depth), Sampler::nearest_clamp)
+        .sample("surface_albedo", or_none(in.surface_albedo), Sampler::nearest_clamp)
+        .sample("surface_normal", or_none(in.surface_normal), Sampler::nearest_clamp)
+        .sample("key_tex", or_none(in.key))
+        .sample("ground_albedo_tex", in.ground_albedo ? in.ground_albedo : none_array)
+        .sample("ground_height_tex", in.ground_height ? in.ground_height : none_array)
+        .read("rays", in.rays ? in.rays : graph.constants("paths.no_rays", shared::PathRay{}))
+        .read_write("work", work_ref)
+        .read_write("lanes", lanes_ref)
+        .write("results", graph.import(results_))
+        .effect();
+    bind_density(pass, in.density);
+    pass.record([&program = pipeline(clouds_.phases_at(frame.time_s)), push, threads](gpu::Commands& cmd) {
+      cmd.bind(program).push(push).dispatch_threads(threads);
+    });
+    executor.run(graph);
+    for (const gpu::PassTiming& t : executor.timings())
+      if (t.name == "paths.trace") trace_ms_ += t.gpu_ms;
+    const std::vector<std::byte> bytes = device_.download(work_);
+    std::memcpy(&work, bytes.data(), sizeof(work));
+  }
+  counts_ = work.counts;
 }
 
 }  // namespace nepho

@@ -1,9 +1,11 @@
 #pragma once
 #include <array>
+#include <functional>
 
 #include "clouds/cloud_bounds.h"
 #include "clouds/cloud_density.h"
 #include "clouds/path_shared.h"
+#include "gpu/graph_executor.h"
 #include "gpu/pipeline.h"
 
 namespace nepho {
@@ -31,23 +33,29 @@ class PathTracer {
     ImageRef key;    ///< illuminance of the key light (shaders/render/reference_key.comp)
     BufferRef rays;  ///< mode table: shared::PathRay
   };
-  struct Outputs {
-    BufferRef results;  ///< shared::PathResult, push.pixels x push.samples
-    BufferRef work;     ///< a word, then shared::PathCounts of this dispatch; keep() it to read
-  };
-  /// One dispatch: push.samples paths for each of push.pixels pixels (or rays). Images that the mode does not read may
-  /// be absent.
-  Outputs add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in, const shared::PathPush& push) const;
+  /// Traces push.samples paths for each of push.pixels pixels (or rays), in as many dispatches as the device wants.
+  /// Images that the mode does not read may be absent; what `make_inputs` returns is asked for anew for every graph.
+  void run(gpu::GraphExecutor& executor, const FrameInfo& frame,
+           const std::function<Inputs(FrameGraph&, const FrameInfo&)>& make_inputs, const shared::PathPush& push);
+  /// shared::PathResult of the last run(), push.pixels x push.samples.
+  const gpu::Buffer& results() const { return results_; }
+  /// Of the last run().
+  const shared::PathCounts& counts() const { return counts_; }
+  double trace_ms() const { return trace_ms_; }  ///< by GPU timestamps
 
   /// Paths of one dispatch at most: a storage buffer of 128 MiB holds so many results.
   static constexpr uint32_t kMostPaths = (120u << 20) / sizeof(shared::PathResult);
 
  private:
+  const gpu::ComputePipeline& pipeline(uint32_t phases);
   gpu::Device& device_;
   const Clouds& clouds_;
   Mode mode_;
   gpu::Image none_2d_, none_array_;
-  mutable std::array<gpu::ComputePipeline, 2> trace_;  ///< by phases - 1
+  gpu::Buffer results_, work_, lanes_;
+  std::array<gpu::ComputePipeline, 2> trace_;  ///< by phases - 1
+  shared::PathCounts counts_{};
+  double trace_ms_ = 0.0;
 };
 
 }  // namespace nepho

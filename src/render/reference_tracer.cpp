@@ -20,6 +20,8 @@ static_assert(sizeof(shared::ReferencePush) == 36);
 constexpr uint64_t kMostBytes = 128u << 20;      ///< of a storage buffer
 constexpr uint64_t kMostSubpixels = 2u << 20;    ///< of all pixels, about
 constexpr uint32_t kMostSubpixelsAlong = 4;
+/// Of a pixel in one dispatch: Mesa's software driver ends loops after 65536 turns.
+constexpr uint32_t kMostSamples = 64;
 
 PathTracer::Mode mode_of(const RenderParams& render) {
   return render.furnace_cd_m2 > 0.0 ? PathTracer::Mode::furnace : PathTracer::Mode::picture;
@@ -119,7 +121,7 @@ void ReferenceTracer::trace(gpu::GraphExecutor& executor, const AtmosphereTables
                             uint32_t samples) {
   const uint32_t pixels = picture_.width * picture_.height;
   // As many samples of all pixels as the results' buffer holds, or a band of pixels after the other.
-  const uint32_t at_once = std::max(PathTracer::kMostPaths / pixels, 1u);
+  const uint32_t at_once = std::clamp(PathTracer::kMostPaths / pixels, 1u, kMostSamples);
   const uint32_t band = std::min(pixels, PathTracer::kMostPaths);
   for (uint32_t done = 0; done < samples; done += at_once)
     for (uint32_t first = 0; first < pixels; first += band)
@@ -129,10 +131,9 @@ void ReferenceTracer::trace(gpu::GraphExecutor& executor, const AtmosphereTables
 
 void ReferenceTracer::dispatch(gpu::GraphExecutor& executor, const AtmosphereTables& atmosphere, uint32_t first_pixel,
                                uint32_t pixels, uint32_t first_sample, uint32_t samples) {
-  FrameGraph graph;
-  const FrameInfo frame = in_graph(frame_, graph);
-  const GroundMap::Refs ground = ground_.import_into(graph);
-  const PathTracer::Inputs in{.density = import_cloud_density(graph, frame, clouds_),
+  const auto inputs = [this](FrameGraph& graph, const FrameInfo& frame) {
+    const GroundMap::Refs ground = ground_.import_into(graph);
+    return PathTracer::Inputs{.density = import_cloud_density(graph, frame, clouds_),
                               .bounds = &bounds_,
                               .ground = ground_.map(),
                               .ground_albedo = ground.albedo,
@@ -142,6 +143,7 @@ void ReferenceTracer::dispatch(gpu::GraphExecutor& executor, const AtmosphereTab
                               .surface_normal = graph.import(normal_),
                               .key = graph.import(key_),
                               .rays = {}};
+  };
   const shared::PathPush push{.first_pixel = first_pixel,
                               .pixels = pixels,
                               .first_sample = first_sample,
@@ -151,7 +153,9 @@ void ReferenceTracer::dispatch(gpu::GraphExecutor& executor, const AtmosphereTab
                               .subpixels = subpixels_,
                               .ground_albedo_scale = 1.0f,
                               .wind_mps = kWind_mps};
-  const PathTracer::Outputs paths = tracer_.add(graph, frame, in, push);
+  tracer_.run(executor, frame_, inputs, push);
+  FrameGraph graph;
+  const FrameInfo frame = in_graph(frame_, graph);
   const shared::ReferencePush shade{.first_pixel = first_pixel,
                                     .pixels = pixels,
                                     .first_sample = first_sample,
@@ -165,25 +169,21 @@ void ReferenceTracer::dispatch(gpu::GraphExecutor& executor, const AtmosphereTab
   pass.uniform("frame", frame.buffer)
       .sample("surface_emission", graph.import(emission_), Sampler::nearest_clamp)
       .sample("background", graph.import(background_), Sampler::nearest_clamp)
-      .read("results", paths.results)
+      .read("results", graph.import(tracer_.results()))
       .read_write("sums", graph.import(sums_))
       .effect();
   AtmosphereTables::bind(pass, atmosphere.add(graph, {}));
   pass.record([this, shade, pixels](gpu::Commands& cmd) { cmd.bind(shade_).push(shade).dispatch_threads(pixels); });
-  graph.keep(paths.work);
   executor.run(graph);
-  const std::vector<uint32_t> words = executor.read<uint32_t>(paths.work);
-  shared::PathCounts c{};
-  std::memcpy(&c, &words[1], sizeof(c));
+  const shared::PathCounts& c = tracer_.counts();
   counts_.paths += c.paths;
   counts_.vertices += c.vertices;
   counts_.density_reads += c.density_reads;
   counts_.moves += c.moves;
   counts_.overruns += c.overruns;
-  for (const gpu::PassTiming& t : executor.timings()) {
-    if (t.name == "paths.trace") counts_.trace_ms += t.gpu_ms;
+  counts_.trace_ms += tracer_.trace_ms();
+  for (const gpu::PassTiming& t : executor.timings())
     if (t.name == "reference.shade") counts_.shade_ms += t.gpu_ms;
-  }
 }
 
 std::vector<shared::PixelSums> ReferenceTracer::sums() const {
