@@ -52,6 +52,7 @@ ExrAttributes make_attributes(const Scene& scene, const CameraPose& pose, double
 nlohmann::ordered_json work_of(const ReferenceCounts& c) {
   const double paths = std::max(static_cast<double>(c.paths), 1.0), seconds = 1e-3 * c.trace_ms;
   return {{"paths", c.paths},
+          {"noise", c.noise},
           {"trace_ms", c.trace_ms},
           {"shade_ms", c.shade_ms},
           {"paths_per_s", seconds > 0.0 ? paths / seconds : 0.0},

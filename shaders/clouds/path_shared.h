@@ -75,12 +75,17 @@ struct PathLane {
   uint state;        // 0: no path
   uint item, pixel;
   uint random_state, random_increment;
-  uint kind_and_flags;  // PathResult::kind; 256: it comes from the camera still
+  uint kind_and_flags;  // PathResult::kind; 256: from the camera still, 512: the second, 1024: one waits
   uint surface_xy;
   float first_m, first_weight;
   float s, end_m, left, shadow;
   vec3 origin, dir;     // of the flight
   vec3 weight, pending, next_dir, sunlit;
+  vec3 wait_origin, wait_dir, wait_weight;
+  float escaped;
+  vec3 escape_weight;
+  float escape_height_m;
+  uint escape_up, escape_dir;
 };
 
 // Octahedral coordinates of a unit vector (Cigolle et al. 2014), 16 bit each.

@@ -39,6 +39,8 @@ layout(push_constant, scalar) uniform PushBlock { PathPush push; };
 const float kFar_m = 1.0e9;
 const float kRouletteBelow = 0.3;   // weights below are gambled up to it
 const float kShadowBelow = 0.25;    // the same of a shadow's transmittance
+const float kGuide = 0.3;           // chance of a scattering to send a second path out towards the key light
+const float kGuideWidth = 0.8;      // asymmetry of the lobe that it is drawn from
 const int kMoves = 12;              // along a flight in one turn
 
 // A straight flight of a path. Heights follow from f = |q|^2 - a^2, quadratic along it (planet.h).
@@ -183,6 +185,15 @@ float bound_along(Flight f, out float reach_m) {
 // Optical depth to the next tentative collision. (Above 0: a logarithm that is but nearly exact may give less at 1.)
 float optical_draw(inout Random random) { return max(-log(1.0 - random_unit(random)), 1.0e-9); }
 
+// A path's weight after roulette. `cosine`: of its direction to the key light's.
+vec3 gambled(vec3 weight, float cosine, inout Random random) {
+  float size = max(abs(weight.x), max(abs(weight.y), abs(weight.z)));
+  float least = kRouletteBelow / (1.0 + 2.0 * phase_hg(cosine, kGuideWidth));
+  if (size >= least) return weight;
+  float survive = size / least;
+  return random_unit(random) < survive ? weight / survive : vec3(0.0);
+}
+
 // Extinction at a place, all layers; the layer that has most of it.
 float extinction_at(vec3 p, vec3 up, float height_m, out uint slot) {
   float sum = 0.0, most = 0.0;
@@ -227,6 +238,10 @@ void main() {
   float shadow = 1.0;
   ivec2 surface_pixel = ivec2(0);
   bool from_camera = true;
+  // A second path in the light's direction: where the first one waits meanwhile.
+  bool second = false, waiting = false;  // being followed; to be begun after the shadow
+  vec3 wait_origin = vec3(0.0), wait_dir = vec3(0.0), wait_weight = vec3(0.0);
+  float escaped = 0.0;  // sum of weights that escaped: one escape of a path's several is kept, chosen by weight
   uint paths = 0u, vertices = 0u, reads = 0u, moves = 0u, overruns = 0u;
 
   uint lane = gl_GlobalInvocationID.x, turns = 0u;
@@ -236,8 +251,15 @@ void main() {
     item = saved.item;
     pixel = saved.pixel;
     random = Random(saved.random_state, saved.random_increment);
-    result = PathResult(vec3(0.0), saved.first_m, vec3(0.0), saved.first_weight, 0.0, 0u, 0u, saved.kind_and_flags & 255u);
+    result = PathResult(vec3(0.0), saved.first_m, saved.escape_weight, saved.first_weight, saved.escape_height_m, saved.escape_up, saved.escape_dir,
+                        saved.kind_and_flags & 255u);
     from_camera = (saved.kind_and_flags & 256u) != 0u;
+    second = (saved.kind_and_flags & 512u) != 0u;
+    waiting = (saved.kind_and_flags & 1024u) != 0u;
+    wait_origin = saved.wait_origin;
+    wait_dir = saved.wait_dir;
+    wait_weight = saved.wait_weight;
+    escaped = saved.escaped;
     surface_pixel = ivec2(saved.surface_xy & 0xffffu, saved.surface_xy >> 16u);
     if (state != kFetch) flight = flight_from(saved.origin, saved.dir);
     flight.s = saved.s;
@@ -262,6 +284,8 @@ void main() {
       result = PathResult(vec3(0.0), 0.0, vec3(0.0), 1.0, 0.0, 0u, 0u, kPathSky);
       weight = vec3(1.0);
       sunlit = vec3(0.0);
+      second = waiting = false;
+      escaped = 0.0;
       from_camera = MODE != kTable;
       state = kMain;
       vec2 u = vec2(random_unit(random), random_unit(random));
@@ -346,11 +370,16 @@ void main() {
         if (state == kMain) {
           flight.s = 0.0;
           Place here = place_on(flight);
-          result.weight = weight;
-          result.escape_height_m = here.height_m;
-          result.escape_up = pack_direction(here.up);
-          result.escape_dir = pack_direction(flight.dir);
-          state = kFetch;
+          float size = max(abs(weight.x), max(abs(weight.y), abs(weight.z)));
+          escaped += size;
+          if (random_unit(random) * escaped < size) {
+            result.weight = weight / max(size, 1.0e-30);
+            result.escape_height_m = here.height_m;
+            result.escape_up = pack_direction(here.up);
+            result.escape_dir = pack_direction(flight.dir);
+          }
+          weight = vec3(0.0);
+          done = true;
         } else {
           done = true;
         }
@@ -376,11 +405,25 @@ void main() {
       vec3 to_key = sample_cap(key, 1.0 - cos(f.sun_angular_radius_rad), vec2(random_unit(random), random_unit(random)));
       vec3 light = MODE == kFurnace ? vec3(0.0) : key_illuminance_at(here.up, here.height_m);
       vec2 u = vec2(random_unit(random), random_unit(random));
-      float chance = random_unit(random);
+      float chance = random_unit(random), guide_share = 1.0;
       if (in_cloud) {
         weight *= CLOUD.single_scattering_albedo;
         float cosine = sample_dual_hg_cosine(CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight, u.x);
         next_dir = direction_about(flight.dir, cosine, u.y);
+        float guide = MODE == kFurnace || second ? 0.0 : kGuide * smoothstep(0.2, 0.6, CLOUD.phase_g_forward);
+        if (guide > 0.0) {
+          // Two ways to the next direction, by the phase function and towards the light; weights by the balance heuristic.
+          float p = phase_dual_hg(cosine, CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight);
+          if (chance < guide) {
+            vec2 v = vec2(random_unit(random), random_unit(random));
+            vec3 towards = direction_about(key, sample_hg_cosine(kGuideWidth, v.x), v.y);
+            float p2 = phase_dual_hg(dot(flight.dir, towards), CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight);
+            waiting = true;
+            wait_dir = towards;
+            wait_weight = weight * (p2 / (p2 + guide * phase_hg(dot(towards, key), kGuideWidth)));
+          }
+          guide_share = p / (p + guide * phase_hg(dot(next_dir, key), kGuideWidth));
+        }
         pending = weight * light * phase_dual_hg(dot(flight.dir, to_key), CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight);
       } else {
         vec4 surface;
@@ -420,12 +463,10 @@ void main() {
           next_dir = sample_cosine_hemisphere(normal, u);
         }
       }
-      // Roulette on what goes on.
-      float size = max(abs(weight.x), max(abs(weight.y), abs(weight.z)));
-      if (size < kRouletteBelow) {
-        float survive = size / kRouletteBelow;
-        weight = random_unit(random) < survive ? weight / survive : vec3(0.0);
-      }
+      weight *= guide_share;
+      // Roulette on what goes on: what heads for the light may weigh less, it will bring more.
+      weight = gambled(weight, dot(next_dir, key), random);
+      if (waiting) wait_weight = gambled(wait_weight, dot(wait_dir, key), random);
       from_camera = false;
       // Off the surface by a metre, so that rounding does not put the ground in the way.
       start = in_cloud ? p : p + here.up;
@@ -443,8 +484,25 @@ void main() {
 
     if (done) {
       // The shadow is known: on with the path from the same vertex.
-      sunlit += pending * shadow;
+      sunlit += pending * shadow;  // nothing where none was sent
       pending = vec3(0.0);
+      if (waiting) {
+        // The second path first; the first one waits here.
+        vec3 dir = wait_dir, w = wait_weight;
+        wait_origin = start;
+        wait_dir = next_dir;
+        wait_weight = weight;
+        next_dir = dir;
+        weight = w;
+        waiting = false;
+        second = true;
+      }
+      if (second && all(equal(weight, vec3(0.0)))) {
+        start = wait_origin;
+        next_dir = wait_dir;
+        weight = wait_weight;
+        second = false;
+      }
       if (all(equal(weight, vec3(0.0)))) {
         state = kFetch;
       } else {
@@ -462,14 +520,17 @@ void main() {
     }
     if (state == kFetch) {
       result.sunlit = sunlit;
+      result.weight *= escaped;
       results.at[item] = result;
     }
   }
   if (TURNS > 0u) {
     if (state != kFetch) atomicAdd(work.data.unfinished, 1u);
-    lanes.at[lane] = PathLane(state, item, pixel, random.state, random.increment, result.kind | (from_camera ? 256u : 0u),
+    lanes.at[lane] = PathLane(state, item, pixel, random.state, random.increment, result.kind | (from_camera ? 256u : 0u) | (second ? 512u : 0u) | (waiting ? 1024u : 0u),
                               uint(surface_pixel.x) | (uint(surface_pixel.y) << 16u), result.first_m, result.first_weight, flight.s,
-                              flight.end_m, flight.left, shadow, flight.origin, flight.dir, weight, pending, next_dir, sunlit);
+                              flight.end_m, flight.left, shadow, flight.origin, flight.dir, weight, pending, next_dir, sunlit,
+                              wait_origin, wait_dir, wait_weight, escaped, result.weight, result.escape_height_m, result.escape_up,
+                              result.escape_dir);
   }
   atomicAdd(work.data.counts.paths, paths);
   atomicAdd(work.data.counts.vertices, vertices);

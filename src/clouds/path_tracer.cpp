@@ -15,7 +15,7 @@ static_assert(sizeof(shared::PathResult) == 48);
 static_assert(sizeof(shared::PathRay) == 32);
 static_assert(sizeof(shared::PathPush) == 36);
 static_assert(sizeof(shared::PathWork) == 28);
-static_assert(sizeof(shared::PathLane) == 13 * 4 + 6 * 12);
+static_assert(sizeof(shared::PathLane) == 17 * 4 + 10 * 12);
 
 struct SceneBlock {
   shared::CloudBounds bounds;

@@ -141,6 +141,7 @@ RenderResult Renderer::render_reference(const RenderRequest& request) {
   at.noise = noise_of(sums);
   timings_.frame_ms = 1e3 * seconds_since(start);
   timings_.reference = tracer.counts();
+  timings_.reference.noise = at.noise;
 
   const auto reading = Clock::now();
   put_sums(sums, readback);
