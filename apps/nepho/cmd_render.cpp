@@ -100,7 +100,8 @@ void RenderCommand::check_reference(const Scene& scene, const RenderOutputs& wan
   if (reference && !wanted.debug.empty())
     throw fail(ErrorKind::usage, "--debug {}: shows the march, which --quality reference does not use", wanted.debug);
   if (!reference && !wanted.resume.empty())
-    throw fail(ErrorKind::usage, "--resume: the quality is {}; only --quality reference can go on", scene.render.quality);
+    throw fail(ErrorKind::usage, "--resume: the quality is {}; only --quality reference can go on",
+               scene.render.quality);
   for (const std::string& name : wanted.layers)
     if (!reference && (name == "samples" || name.starts_with("variance")))
       throw fail(ErrorKind::usage, "--aov {}: written by --quality reference only", name);

@@ -95,8 +95,8 @@ ExrFile read_earlier(const std::filesystem::path& path, const Scene& scene) {
   ExrFile file = read_exr(path);
   const auto text = file.attributes.strings.find("nepho:scene");
   if (text == file.attributes.strings.end())
-    throw fail(ErrorKind::input, "{}: no scene in its header; only a picture of --quality reference can be gone on with",
-               path.string());
+    throw fail(ErrorKind::input,
+               "{}: no scene in its header; only a picture of --quality reference can be gone on with", path.string());
   // When to stop, and how to show it, may differ.
   Scene was = scene_from_json(text->second, path.string());
   const RenderParams& now = scene.render;
@@ -111,13 +111,16 @@ ExrFile read_earlier(const std::filesystem::path& path, const Scene& scene) {
   r.white_balance_k = now.white_balance_k;
   r.tone_curve = now.tone_curve;
   if (scene_to_json(was) != scene_to_json(scene))
-    throw fail(ErrorKind::input, "{}: made from another scene; give the same scene, options and seed to go on", path.string());
+    throw fail(ErrorKind::input, "{}: made from another scene; give the same scene, options and seed to go on",
+               path.string());
   return file;
 }
 
 std::string duration_text(double seconds) {
   const auto s = static_cast<int64_t>(std::min(seconds, 3.6e6) + 0.5);
-  return s < 120 ? fmt::format("{} s", s) : s < 7200 ? fmt::format("{} min", s / 60) : fmt::format("{:.1f} h", static_cast<double>(s) / 3600.0);
+  return s < 120    ? fmt::format("{} s", s)
+         : s < 7200 ? fmt::format("{} min", s / 60)
+                    : fmt::format("{:.1f} h", static_cast<double>(s) / 3600.0);
 }
 
 /// While it lives, an interrupt (SIGINT, SIGTERM) is remembered instead of ending the program; a second one ends it.
@@ -170,7 +173,7 @@ void render_scene(const Scene& scene, const RenderOutputs& outputs, const Raster
     guard.emplace();
     progress.emplace("paths");
     request.on_progress = [&](const ReferenceProgress& at) {
-      progress->update(at.fraction, fmt::format("{} a pixel, noise {:.1f} %, {} left", at.paths, 100.0 * at.noise,
+      progress->update(at.fraction, fmt::format("{:.0f} a pixel, noise {:.1f} %, {} left", at.paths, 100.0 * at.noise,
                                                 duration_text(at.left_s)));
       return !InterruptGuard::interrupted();
     };
@@ -197,8 +200,10 @@ void render_scene(const Scene& scene, const RenderOutputs& outputs, const Raster
   if (!outputs.timings.empty())
     write_timings(outputs.timings, renderer.timings(), device.info(), scene, startup_ms, output_ms);
   if (result.interrupted)
-    throw fail(ErrorKind::interrupted, "interrupted; the picture so far is written: {} paths a pixel, noise {:.1f} %; "
-               "go on with --resume and its .exr", result.reference.paths, 100.0 * result.reference.noise);
+    throw fail(ErrorKind::interrupted,
+               "interrupted; the picture so far is written: {:.0f} paths a pixel, noise {:.1f} %; "
+               "go on with --resume and its .exr",
+               result.reference.paths, 100.0 * result.reference.noise);
 }
 
 }  // namespace nepho

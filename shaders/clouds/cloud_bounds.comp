@@ -16,7 +16,6 @@ layout(push_constant, scalar) uniform PushBlock { uint level; uint flat_bounds; 
 
 const float kTail = 3.2;       // standard deviations of what a footprint hides that are reckoned with
 const float kSlack = 0.06;     // change of the level's resolved part within a footprint
-const float kLeast = 0.12;     // share of the full extinction that a majorant is at least: no great weights
 
 // A point given by its direction from the Earth's centre (scaled space) and its geodetic height, camera-relative: to half a metre.
 vec3 point_at(PlanetView planet, vec3 dir, float height_m) {
@@ -44,6 +43,8 @@ float largest_of(uint l, CloudColumn c, vec3 dir, float low_m, float high_m, flo
     float eta = i < 3 ? mix(max(eta0, 0.02), max(eta1, 0.02), 0.5 * float(i)) : clamp(widest, max(eta0, 0.02), max(eta1, 0.02));
     least = min(least, cell_threshold(cloud_need(l, c, eta), c.probit));
   }
+  // A slice may be thicker than the texel's half is wide.
+  log2_footprint = max(log2_footprint, log2(0.6 * (high_m - low_m)));
   float height_m = c.base_m + middle * thickness;
   vec3 p = point_at(CLOUD_PLANET, dir, height_m);
   vec3 up = geodetic_up(CLOUD_PLANET, p);
@@ -56,7 +57,8 @@ float largest_of(uint l, CloudColumn c, vec3 dir, float low_m, float high_m, flo
   unknown += detail * detail * (kDetailWeight * kDetailWeight + kFineWeight * kFineWeight);
   float most = level + kTail * sqrt(unknown) + kSlack;
   if (most <= 0.0) return 0.0;
-  return full * clamp(most / CLOUD.layers[l].filter_width, kLeast, 1.0);
+  // All or nothing: where extinction exceeds a majorant weights grow with every collision.
+  return full;
 }
 
 void main() {

@@ -30,11 +30,16 @@ struct PathRay {
   float pad;
 };
 
-struct PathPush {
-  uint first_pixel;   // of this dispatch, in the picture's rows (or of the table)
-  uint pixels;
+// Which paths a round has: those of pixel (or ray) i are the items from plan[i].first_item to plan[i + 1].first_item, its
+// samples from first_sample on.
+struct PathPlan {
+  uint first_item;
   uint first_sample;
-  uint samples;       // paths a pixel in this dispatch
+};
+
+struct PathPush {
+  uint items;         // paths of this round
+  uint pixels;        // or rays
   uint seed;
   uint width;         // of the picture, px
   uint subpixels;     // along a side of a pixel, of the surface's images

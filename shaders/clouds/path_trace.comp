@@ -32,15 +32,18 @@ layout(set = 0, binding = 16) uniform sampler2D key_tex;         // illuminance 
 layout(scalar, set = 0, binding = 20) buffer WorkBlock { PathWork data; } work;
 layout(scalar, set = 0, binding = 21) writeonly buffer ResultBlock { PathResult at[]; } results;
 layout(scalar, set = 0, binding = 22) readonly buffer RayBlock { PathRay at[]; } rays;
+layout(scalar, set = 0, binding = 24) readonly buffer PlanBlock { PathPlan at[]; } plan;
 layout(scalar, set = 0, binding = 23) buffer LaneBlock { PathLane at[]; } lanes;
 layout(constant_id = 16) const uint TURNS = 0u;  // of an invocation's loop; 0: until there is nothing to do
 layout(push_constant, scalar) uniform PushBlock { PathPush push; };
 
 const float kFar_m = 1.0e9;
-const float kRouletteBelow = 0.3;   // weights below are gambled up to it
-const float kShadowBelow = 0.25;    // the same of a shadow's transmittance
-const float kGuide = 0.3;           // chance of a scattering to send a second path out towards the key light
+const float kRouletteBelow = 0.5;   // weights below are gambled up to it
+const float kShadowBelow = 0.3;    // the same of a shadow's transmittance
+const float kGuide = 0.25;           // chance of a scattering to send a second path out towards the key light
 const float kGuideWidth = 0.8;      // asymmetry of the lobe that it is drawn from
+const float kShadowOf = 0.12;       // of the light, 1/sr: vertices that would send less are gambled up to it
+const float kLeastShadows = 0.1;
 const int kMoves = 12;              // along a flight in one turn
 
 // A straight flight of a path. Heights follow from f = |q|^2 - a^2, quadratic along it (planet.h).
@@ -225,11 +228,21 @@ vec3 key_illuminance_at(vec3 up, float height_m) {
   return textureLod(key_tex, (clamp(vec2(u, v), 0.0, 1.0) * (size - 1.0) + 0.5) / size, 0.0).rgb;
 }
 
+// The last pixel whose items begin at or before this one, by halving.
+uint pixel_of(uint item) {
+  uint low = 0u, high = push.pixels;
+  while (high - low > 1u) {
+    uint middle = (low + high) / 2u;
+    if (plan.at[middle].first_item <= item) low = middle;
+    else high = middle;
+  }
+  return low;
+}
+
 const uint kFetch = 0u, kMain = 1u, kShadow = 2u;
 
 void main() {
   FrameConstants f = frame.frame_data;
-  uint items = push.pixels * push.samples;
   uint state = kFetch, item = 0u, pixel = 0u;
   Random random;
   Flight flight = flight_from(vec3(0.0), f.forward);
@@ -277,10 +290,10 @@ void main() {
     vec3 start = vec3(0.0), way = vec3(0.0);
     if (state == kFetch) {
       item = atomicAdd(work.data.next, 1u);
-      if (item >= items) break;  // the state stays: no path
+      if (item >= push.items) break;  // the state stays: no path
       ++paths;
-      pixel = push.first_pixel + item / push.samples;
-      random = random_stream(pixel, push.first_sample + item % push.samples, push.seed);
+      pixel = pixel_of(item);
+      random = random_stream(pixel, plan.at[pixel].first_sample + (item - plan.at[pixel].first_item), push.seed);
       result = PathResult(vec3(0.0), 0.0, vec3(0.0), 1.0, 0.0, 0u, 0u, kPathSky);
       weight = vec3(1.0);
       sunlit = vec3(0.0);
@@ -463,6 +476,9 @@ void main() {
           next_dir = sample_cosine_hemisphere(normal, u);
         }
       }
+      // The less a vertex would send the seldomer its shadow is looked for.
+      float sent = max(abs(pending.x), max(abs(pending.y), abs(pending.z))) / max(max(light.x, max(light.y, light.z)) * kShadowOf, 1.0e-30);
+      if (sent < 1.0) pending = random_unit(random) < max(sent, kLeastShadows) ? pending / max(sent, kLeastShadows) : vec3(0.0);
       weight *= guide_share;
       // Roulette on what goes on: what heads for the light may weigh less, it will bring more.
       weight = gambled(weight, dot(next_dir, key), random);

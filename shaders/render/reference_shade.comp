@@ -13,6 +13,7 @@ layout(set = 0, binding = 1) uniform sampler2D surface_emission;
 layout(set = 0, binding = 2) uniform sampler2D background;
 layout(scalar, set = 0, binding = 3) readonly buffer ResultBlock { PathResult at[]; } results;
 layout(scalar, set = 0, binding = 4) buffer SumBlock { PixelSums at[]; } sums;
+layout(scalar, set = 0, binding = 5) readonly buffer PlanBlock { PathPlan at[]; } plan;
 #define ATMOSPHERE_BINDING 8
 #include "atmosphere/atmosphere_lookup.glsl"
 layout(push_constant, scalar) uniform PushBlock { ReferencePush push; };
@@ -34,15 +35,16 @@ vec3 sky_from(FrameConstants f, PathResult r) {
 }
 
 void main() {
-  uint id = gl_GlobalInvocationID.x;
-  if (id >= push.pixels) return;
+  uint pixel = gl_GlobalInvocationID.x;
+  if (pixel >= push.pixels) return;
   FrameConstants f = frame.frame_data;
-  uint pixel = push.first_pixel + id;
   PixelSums sum = sums.at[pixel];
-  for (uint k = 0u; k < push.samples; ++k) {
-    PathResult r = results.at[id * push.samples + k];
+  PathPlan mine = plan.at[pixel];
+  uint samples = plan.at[pixel + 1u].first_item - mine.first_item;
+  for (uint k = 0u; k < samples; ++k) {
+    PathResult r = results.at[mine.first_item + k];
     // The very place in the pixel where the path began.
-    Random random = random_stream(pixel, push.first_sample + k, push.seed);
+    Random random = random_stream(pixel, mine.first_sample + k, push.seed);
     float u = random_unit(random);
     vec2 at = (vec2(float(pixel % push.width), float(pixel / push.width)) + vec2(u, random_unit(random))) * float(push.subpixels);
     ivec2 sub = min(ivec2(at), ivec2(f.size) - 1);

@@ -17,9 +17,7 @@ struct PixelSums {
 };
 
 struct ReferencePush {
-  uint first_pixel, pixels;
-  uint first_sample, samples;
-  uint seed, width, subpixels;
+  uint pixels, seed, width, subpixels;
   float furnace_cd_m2;
   float night_light_cd_m2;
 };

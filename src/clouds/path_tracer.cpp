@@ -13,7 +13,7 @@ namespace {
 
 static_assert(sizeof(shared::PathResult) == 48);
 static_assert(sizeof(shared::PathRay) == 32);
-static_assert(sizeof(shared::PathPush) == 36);
+static_assert(sizeof(shared::PathPush) == 28);
 static_assert(sizeof(shared::PathWork) == 28);
 static_assert(sizeof(shared::PathLane) == 17 * 4 + 10 * 12);
 
@@ -22,8 +22,8 @@ struct SceneBlock {
   shared::RegionMap ground;
 };
 
-/// Invocations that take paths from the counter: enough to fill a large GPU. A software device runs a few at a time, for
-/// so many turns of their loop (its limit is 65536 of all loops together; a turn takes some 100).
+/// Invocations that take paths from the counter: enough to fill a large GPU. A software device runs a few at a time,
+/// for so many turns of their loop (its limit is 65536 of all loops together; a turn takes some 100).
 constexpr uint32_t kThreadsOfGpu = 512 * 1024, kThreadsOfCpu = 2048, kTurnsOfCpu = 400;
 
 }  // namespace
@@ -41,6 +41,12 @@ PathTracer::PathTracer(gpu::Device& device, const Clouds& clouds, Mode mode)
   device.upload(uploads);
 }
 
+uint32_t PathTracer::most_paths() const {
+  // Software devices have storage buffers of 128 MiB; GPUs want long rounds, as the last paths of one leave most of it
+  // idle.
+  return ((device_.info().is_software ? 120u : 768u) << 20) / static_cast<uint32_t>(sizeof(shared::PathResult));
+}
+
 const gpu::ComputePipeline& PathTracer::pipeline(uint32_t phases) {
   gpu::ComputePipeline& wanted = trace_[phases - 1];
   if (!wanted) {
@@ -55,9 +61,18 @@ const gpu::ComputePipeline& PathTracer::pipeline(uint32_t phases) {
 
 void PathTracer::run(gpu::GraphExecutor& executor, const FrameInfo& frame,
                      const std::function<Inputs(FrameGraph&, const FrameInfo&)>& make_inputs,
-                     const shared::PathPush& push) {
-  const uint32_t paths = push.pixels * push.samples;
-  NEPHO_ASSERT(paths > 0 && paths <= kMostPaths);
+                     std::span<const uint32_t> samples, std::span<const uint32_t> first_samples,
+                     shared::PathPush push) {
+  std::vector<shared::PathPlan> plan(samples.size() + 1);
+  uint32_t paths = 0;
+  for (size_t i = 0; i < samples.size(); ++i) {
+    plan[i] = {paths, first_samples[i]};
+    paths += samples[i];
+  }
+  plan.back() = {paths, 0u};
+  NEPHO_ASSERT(paths > 0 && paths <= most_paths());
+  push.items = paths;
+  push.pixels = static_cast<uint32_t>(samples.size());
   const bool software = device_.info().is_software;
   const uint32_t threads = std::min((paths + 63) / 64 * 64, software ? kThreadsOfCpu : kThreadsOfGpu);
   const auto hold = [&](gpu::Buffer& buffer, const char* name, uint64_t bytes) {
@@ -67,6 +82,9 @@ void PathTracer::run(gpu::GraphExecutor& executor, const FrameInfo& frame,
   hold(results_, "paths.results", uint64_t{paths} * sizeof(shared::PathResult));
   hold(work_, "paths.work", sizeof(shared::PathWork));
   hold(lanes_, "paths.lanes", uint64_t{software ? threads : 1} * sizeof(shared::PathLane));
+  hold(plan_, "paths.plan", plan.size() * sizeof(shared::PathPlan));
+  const gpu::BufferUpload upload_plan{&plan_, 0, std::as_bytes(std::span(plan))};
+  device_.upload({}, {&upload_plan, 1});
   counts_ = {};
   trace_ms_ = 0.0;
   shared::PathWork work{};
@@ -98,6 +116,7 @@ void PathTracer::run(gpu::GraphExecutor& executor, const FrameInfo& frame,
         .sample("ground_albedo_tex", in.ground_albedo ? in.ground_albedo : none_array)
         .sample("ground_height_tex", in.ground_height ? in.ground_height : none_array)
         .read("rays", in.rays ? in.rays : graph.constants("paths.no_rays", shared::PathRay{}))
+        .read("plan", graph.import(plan_))
         .read_write("work", work_ref)
         .read_write("lanes", lanes_ref)
         .write("results", graph.import(results_))

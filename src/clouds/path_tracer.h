@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <functional>
+#include <span>
 
 #include "clouds/cloud_bounds.h"
 #include "clouds/cloud_density.h"
@@ -33,18 +34,21 @@ class PathTracer {
     ImageRef key;    ///< illuminance of the key light (shaders/render/reference_key.comp)
     BufferRef rays;  ///< mode table: shared::PathRay
   };
-  /// Traces push.samples paths for each of push.pixels pixels (or rays), in as many dispatches as the device wants.
-  /// Images that the mode does not read may be absent; what `make_inputs` returns is asked for anew for every graph.
+  /// Traces samples[i] paths for pixel (or ray) i, those from first_samples[i] on, in as many dispatches as the device
+  /// wants; most_paths() in all at most. Images that the mode does not read may be absent; `make_inputs` is asked for
+  /// every graph anew. `push`: items and pixels are filled in.
   void run(gpu::GraphExecutor& executor, const FrameInfo& frame,
-           const std::function<Inputs(FrameGraph&, const FrameInfo&)>& make_inputs, const shared::PathPush& push);
-  /// shared::PathResult of the last run(), push.pixels x push.samples.
+           const std::function<Inputs(FrameGraph&, const FrameInfo&)>& make_inputs, std::span<const uint32_t> samples,
+           std::span<const uint32_t> first_samples, shared::PathPush push);
+  /// shared::PathResult of the last run(), pixel after pixel, and its shared::PathPlan.
   const gpu::Buffer& results() const { return results_; }
+  const gpu::Buffer& plan() const { return plan_; }
   /// Of the last run().
   const shared::PathCounts& counts() const { return counts_; }
   double trace_ms() const { return trace_ms_; }  ///< by GPU timestamps
 
-  /// Paths of one dispatch at most: a storage buffer of 128 MiB holds so many results.
-  static constexpr uint32_t kMostPaths = (120u << 20) / sizeof(shared::PathResult);
+  /// Of one run(): what the results' buffer holds.
+  uint32_t most_paths() const;
 
  private:
   const gpu::ComputePipeline& pipeline(uint32_t phases);
@@ -52,7 +56,7 @@ class PathTracer {
   const Clouds& clouds_;
   Mode mode_;
   gpu::Image none_2d_, none_array_;
-  gpu::Buffer results_, work_, lanes_;
+  gpu::Buffer results_, work_, lanes_, plan_;
   std::array<gpu::ComputePipeline, 2> trace_;  ///< by phases - 1
   shared::PathCounts counts_{};
   double trace_ms_ = 0.0;

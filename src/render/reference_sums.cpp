@@ -64,15 +64,17 @@ std::vector<PixelSums> sums_of_picture(const ImageBuffer& picture, Extent2D exte
   const auto layer = [&](const char* name) -> const std::vector<float>& {
     const ImageChannel* channel = picture.find(name);
     if (!channel)
-      throw fail(ErrorKind::input, "layer '{}' is missing; only a picture of --quality reference with all its layers "
-                 "(no --aov) can be gone on with", name);
+      throw fail(ErrorKind::input,
+                 "layer '{}' is missing; only a picture of --quality reference with all its layers "
+                 "(no --aov) can be gone on with",
+                 name);
     return channel->values;
   };
   const std::vector<float>*mean[3] = {&layer("R"), &layer("G"), &layer("B")},
-                         *variance[3] = {&layer("variance.R"), &layer("variance.G"), &layer("variance.B")},
-                         *cloud[3] = {&layer("cloud.R"), &layer("cloud.G"), &layer("cloud.B")};
+        *variance[3] = {&layer("variance.R"), &layer("variance.G"), &layer("variance.B")},
+        *cloud[3] = {&layer("cloud.R"), &layer("cloud.G"), &layer("cloud.B")};
   const std::vector<float>&paths = layer("samples"), &through = layer("cloud.transmittance"),
-                         &depth = layer("cloud.depth_m"), &dominant = layer("cloud.layer");
+        &depth = layer("cloud.depth_m"), &dominant = layer("cloud.layer");
   constexpr float kWeights[] = {0.2126f, 0.7152f, 0.0722f};
   std::vector<PixelSums> sums(paths.size());
   for (size_t i = 0; i < sums.size(); ++i) {

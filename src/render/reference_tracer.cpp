@@ -15,13 +15,11 @@ namespace nepho {
 namespace {
 
 static_assert(sizeof(shared::PixelSums) == 68);
-static_assert(sizeof(shared::ReferencePush) == 36);
+static_assert(sizeof(shared::ReferencePush) == 24);
 
-constexpr uint64_t kMostBytes = 128u << 20;      ///< of a storage buffer
-constexpr uint64_t kMostSubpixels = 2u << 20;    ///< of all pixels, about
+constexpr uint64_t kMostBytes = 128u << 20;    ///< of a storage buffer
+constexpr uint64_t kMostSubpixels = 2u << 20;  ///< of all pixels, about
 constexpr uint32_t kMostSubpixelsAlong = 4;
-/// Of a pixel in one dispatch: Mesa's software driver ends loops after 65536 turns.
-constexpr uint32_t kMostSamples = 64;
 
 PathTracer::Mode mode_of(const RenderParams& render) {
   return render.furnace_cd_m2 > 0.0 ? PathTracer::Mode::furnace : PathTracer::Mode::picture;
@@ -36,7 +34,8 @@ FrameInfo in_graph(const FrameInfo& frame, FrameGraph& graph) {
 
 }  // namespace
 
-ReferenceTracer::ReferenceTracer(gpu::Device& device, const Scene& scene, const Clouds& clouds, uint32_t spectral_groups)
+ReferenceTracer::ReferenceTracer(gpu::Device& device, const Scene& scene, const Clouds& clouds,
+                                 uint32_t spectral_groups)
     : device_(device),
       clouds_(clouds),
       render_(scene.render),
@@ -93,9 +92,8 @@ void ReferenceTracer::add_surface(FrameGraph& graph, const FrameInfo& frame, con
   auto key = graph.pass("reference.key");
   key.uniform("frame", frame.buffer).write("out_key", graph.import(key_)).effect();
   AtmosphereTables::bind(key, atmosphere);
-  key.record([this](gpu::Commands& cmd) {
-    cmd.bind(key_pipeline_).dispatch_threads(shared::kKeyWidth, shared::kKeyHeight);
-  });
+  key.record(
+      [this](gpu::Commands& cmd) { cmd.bind(key_pipeline_).dispatch_threads(shared::kKeyWidth, shared::kKeyHeight); });
   const double top_m = static_cast<double>(clouds_.constants().hull_high_m);
   bounds_.add(graph, frame, import_cloud_density(graph, frame, clouds_),
               cloud_region(frame.constants, frame.camera_ecef_m, top_m));
@@ -112,25 +110,17 @@ void ReferenceTracer::begin(const FrameInfo& frame, Extent2D picture, const Terr
   ground_.update(terrain.heights(), terrain.imagery(), map);
   const uint64_t bytes = uint64_t{picture.width} * picture.height * sizeof(shared::PixelSums);
   sums_ = device_.create_buffer({.name = "reference.sums", .size_bytes = bytes});
-  const std::vector<std::byte> zeros(bytes, std::byte{0});
+  clear();
+}
+
+void ReferenceTracer::clear() {
+  const std::vector<std::byte> zeros(sums_.desc().size_bytes, std::byte{0});
   const gpu::BufferUpload upload{&sums_, 0, zeros};
   device_.upload({}, {&upload, 1});
 }
 
-void ReferenceTracer::trace(gpu::GraphExecutor& executor, const AtmosphereTables& atmosphere, uint32_t first_sample,
-                            uint32_t samples) {
-  const uint32_t pixels = picture_.width * picture_.height;
-  // As many samples of all pixels as the results' buffer holds, or a band of pixels after the other.
-  const uint32_t at_once = std::clamp(PathTracer::kMostPaths / pixels, 1u, kMostSamples);
-  const uint32_t band = std::min(pixels, PathTracer::kMostPaths);
-  for (uint32_t done = 0; done < samples; done += at_once)
-    for (uint32_t first = 0; first < pixels; first += band)
-      dispatch(executor, atmosphere, first, std::min(band, pixels - first), first_sample + done,
-               std::min(at_once, samples - done));
-}
-
-void ReferenceTracer::dispatch(gpu::GraphExecutor& executor, const AtmosphereTables& atmosphere, uint32_t first_pixel,
-                               uint32_t pixels, uint32_t first_sample, uint32_t samples) {
+void ReferenceTracer::trace(gpu::GraphExecutor& executor, const AtmosphereTables& atmosphere,
+                            std::span<const uint32_t> samples, std::span<const uint32_t> first_samples) {
   const auto inputs = [this](FrameGraph& graph, const FrameInfo& frame) {
     const GroundMap::Refs ground = ground_.import_into(graph);
     return PathTracer::Inputs{.density = import_cloud_density(graph, frame, clouds_),
@@ -144,32 +134,29 @@ void ReferenceTracer::dispatch(gpu::GraphExecutor& executor, const AtmosphereTab
                               .key = graph.import(key_),
                               .rays = {}};
   };
-  const shared::PathPush push{.first_pixel = first_pixel,
-                              .pixels = pixels,
-                              .first_sample = first_sample,
-                              .samples = samples,
-                              .seed = render_.seed,
-                              .width = picture_.width,
-                              .subpixels = subpixels_,
-                              .ground_albedo_scale = 1.0f,
-                              .wind_mps = kWind_mps};
-  tracer_.run(executor, frame_, inputs, push);
-  FrameGraph graph;
-  const FrameInfo frame = in_graph(frame_, graph);
-  const shared::ReferencePush shade{.first_pixel = first_pixel,
-                                    .pixels = pixels,
-                                    .first_sample = first_sample,
-                                    .samples = samples,
+  tracer_.run(executor, frame_, inputs, samples, first_samples,
+              {.items = 0,
+               .pixels = 0,
+               .seed = render_.seed,
+               .width = picture_.width,
+               .subpixels = subpixels_,
+               .ground_albedo_scale = 1.0f,
+               .wind_mps = kWind_mps});
+  const auto pixels = static_cast<uint32_t>(samples.size());
+  const shared::ReferencePush shade{.pixels = pixels,
                                     .seed = render_.seed,
                                     .width = picture_.width,
                                     .subpixels = subpixels_,
                                     .furnace_cd_m2 = static_cast<float>(render_.furnace_cd_m2),
                                     .night_light_cd_m2 = has_emission_ ? kNightLight_cd_m2 : 0.0f};
+  FrameGraph graph;
+  const FrameInfo frame = in_graph(frame_, graph);
   auto pass = graph.pass("reference.shade");
   pass.uniform("frame", frame.buffer)
       .sample("surface_emission", graph.import(emission_), Sampler::nearest_clamp)
       .sample("background", graph.import(background_), Sampler::nearest_clamp)
       .read("results", graph.import(tracer_.results()))
+      .read("plan", graph.import(tracer_.plan()))
       .read_write("sums", graph.import(sums_))
       .effect();
   AtmosphereTables::bind(pass, atmosphere.add(graph, {}));

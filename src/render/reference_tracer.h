@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "atmosphere/atmosphere_tables.h"
@@ -36,16 +37,21 @@ class ReferenceTracer {
   /// Zeroes the sums. `frame`: as add_surface() got it; `picture`: the size in pixels.
   void begin(const FrameInfo& frame, Extent2D picture, const Terrain& terrain);
 
-  /// `samples` more paths for every pixel.
-  void trace(gpu::GraphExecutor& executor, const AtmosphereTables& atmosphere, uint32_t first_sample, uint32_t samples);
+  /// samples[i] more paths for pixel i, those from first_samples[i] on; most_paths() in all and kMostSamples a pixel at
+  /// most.
+  void trace(gpu::GraphExecutor& executor, const AtmosphereTables& atmosphere, std::span<const uint32_t> samples,
+             std::span<const uint32_t> first_samples);
+  uint32_t most_paths() const { return tracer_.most_paths(); }
+  /// Of a pixel in one trace(): Mesa's software driver ends loops after 65536 turns.
+  static constexpr uint32_t kMostSamples = 128;
+  /// Forgets all paths.
+  void clear();
   std::vector<shared::PixelSums> sums() const;
   /// Background behind the clouds, cd/m2, RGBA: mean over each pixel's sub-pixels.
   std::vector<float> background() const;
   const ReferenceCounts& counts() const { return counts_; }
 
  private:
-  void dispatch(gpu::GraphExecutor& executor, const AtmosphereTables& atmosphere, uint32_t first_pixel, uint32_t pixels,
-                uint32_t first_sample, uint32_t samples);
   gpu::Device& device_;
   const Clouds& clouds_;
   RenderParams render_;

@@ -32,7 +32,7 @@ struct RenderTimings {
 
 /// How far a path-traced reference is.
 struct ReferenceProgress {
-  uint64_t paths = 0;     ///< of every pixel so far
+  double paths = 0.0;     ///< of a pixel so far, mean
   double noise = 0.0;     ///< relative standard error of the luminance that 95 % of the pixels have; 1 while unknown
   double fraction = 0.0;  ///< 0..1, about
   double elapsed_s = 0.0, left_s = 0.0;
@@ -56,9 +56,9 @@ struct RenderResult {
   ImageBuffer layers;                ///< scene-linear, cd/m2, with the asked layers
   std::vector<uint8_t> display_rgb;  ///< sRGB, 8 bit, width * height * 3
   CameraPose pose;
-  double ev100 = 0.0;  ///< exposure of the 8-bit picture
-  ReferenceProgress reference;     ///< of quality reference
-  bool interrupted = false;        ///< on_progress said so
+  double ev100 = 0.0;           ///< exposure of the 8-bit picture
+  ReferenceProgress reference;  ///< of quality reference
+  bool interrupted = false;     ///< on_progress said so
 };
 
 /// Draws scenes: orders one frame as docs/architecture.md tells it. Holds tables, noise and tiles between frames.

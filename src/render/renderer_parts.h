@@ -24,7 +24,10 @@ struct Renderer::Parts {
   /// Absent under a clear sky, which then costs nothing.
   struct CloudParts {
     CloudParts(gpu::Device& device, const CloudParams& params, const WeatherSources& sources, uint32_t spectral_groups)
-        : clouds(device, params, sources), march(device, clouds, spectral_groups), shadow(device, clouds), debug(device, clouds) {}
+        : clouds(device, params, sources),
+          march(device, clouds, spectral_groups),
+          shadow(device, clouds),
+          debug(device, clouds) {}
     Clouds clouds;
     CloudMarchPass march;
     GroundShadowPass shadow;

@@ -10,6 +10,7 @@
 #include "render/output_layers.h"
 #include "render/reference_sums.h"
 #include "render/renderer_parts.h"
+#include "render/sample_plan.h"
 
 namespace nepho {
 namespace {
@@ -17,17 +18,15 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// Without a limit of their own, pictures of a given noise end here.
-constexpr uint32_t kMostPaths = 1u << 24;
-constexpr uint32_t kFirstCheck = 16;
-/// Paths a pixel at which the noise is looked at: fixed numbers, so that the same scene gives the same picture however
-/// fast the machine is.
-uint32_t next_check(uint32_t paths) {
-  return paths < kFirstCheck ? kFirstCheck : static_cast<uint32_t>(std::ceil(1.2 * static_cast<double>(paths)));
-}
+/// Paths of every pixel from which their needs are judged.
+constexpr uint32_t kPilot = 64;
+/// Below so many paths a pixel, on average, it is not worth one.
+constexpr double kPilotFrom = 1024.0;
 
-/// A dispatch should take about so long: interrupts are quick, and no watchdog barks.
-constexpr double kDispatch_s = 0.7;
+/// A round should take about so long: interrupts are quick, and no watchdog barks.
+constexpr double kRound_s = 1.5;
+/// Paths of a round at least: fewer would wait for the longest of them.
+constexpr double kLeastRound = 30e3;
 
 }  // namespace
 
@@ -92,52 +91,68 @@ RenderResult Renderer::render_reference(const RenderRequest& request) {
     }
   }
 
-  std::vector<shared::PixelSums> earlier;
-  uint32_t first = 0;
-  if (request.resume) {
-    earlier = sums_of_picture(*request.resume, extent);
-    first = static_cast<uint32_t>(earlier.front().paths);
-  }
-  // A number of paths, or paths until the noise is low enough, but no more than that number where it is given too.
+  const size_t pixels = size_t{extent.width} * extent.height;
   const bool by_noise = params.noise > 0.0;
-  const uint32_t most = by_noise && params.frames <= 1 ? kMostPaths : params.frames;
+  const double most = by_noise && params.frames <= 1 ? 1e9 : params.frames;  // paths a pixel
+  std::vector<shared::PixelSums> earlier;
+  if (request.resume) earlier = sums_of_picture(*request.resume, extent);
+  SamplePlan plan = earlier.empty() ? SamplePlan::even(pixels) : SamplePlan::like(earlier);
+  // Sample numbers that are taken: of an even picture those below its level, of another one's also a pilot's.
+  std::vector<uint32_t> taken(pixels, 0), samples, numbers(pixels);
+  double level = 0.0;
+  for (size_t i = 0; i < earlier.size(); ++i) taken[i] = plan.is_even() ? 0 : kPilot;
+  if (!earlier.empty()) level = plan.is_even() ? static_cast<double>(earlier.front().paths) : 1.0;
+
   const auto start = Clock::now();
-  uint32_t done = first, check = first;
-  while (check <= done) check = next_check(check);
-  uint32_t batch = 1;
   ReferenceProgress& at = result.reference;
-  at.paths = first;
   at.noise = earlier.empty() ? 1.0 : noise_of(earlier);
   std::vector<shared::PixelSums> sums = earlier;
-  while (done < most && !(by_noise && at.noise <= params.noise)) {
-    const uint32_t now = std::min({batch, check - done, most - done});
+  double check = plan.next_check(level), paths_per_s = 1e5;
+  uint64_t fresh = 0;  // paths so far
+  const auto mean_paths = [&](double l) { return static_cast<double>(plan.paths(l)) / static_cast<double>(pixels); };
+  bool wants_more = true;
+  while (mean_paths(level) < most && !(by_noise && at.noise <= params.noise) && wants_more) {
+    double goal = check;
+    if (plan.is_even()) goal = std::min(goal, most);
+    const auto fits = static_cast<uint64_t>(std::max(paths_per_s * kRound_s, kLeastRound));
+    const double reached = plan.round(
+        level, goal, std::min<uint64_t>(fits, tracer.most_paths()),
+        device_.info().is_software ? ReferenceTracer::kMostSamples : 8 * ReferenceTracer::kMostSamples, samples);
+    for (size_t i = 0; i < pixels; ++i) numbers[i] = taken[i] + plan.at(i, level);
     const auto begun = Clock::now();
-    tracer.trace(p.executor, *p.atmosphere, done, now);
-    const double took_s = seconds_since(begun);
-    batch = static_cast<uint32_t>(
-        std::clamp(static_cast<double>(now) * kDispatch_s / std::max(took_s, 1e-4), 1.0, 4.0 * batch));
-    done += now;
-    if (done == check || done == most) {
+    const uint64_t now = plan.paths(reached) - plan.paths(level);
+    if (now > 0) tracer.trace(p.executor, *p.atmosphere, samples, numbers);
+    fresh += now;
+    paths_per_s = std::clamp(static_cast<double>(now) / std::max(seconds_since(begun), 1e-4), 0.25 * paths_per_s,
+                             8.0 * paths_per_s);
+    level = reached;
+    if (level >= goal) {
       sums = earlier.empty() ? tracer.sums() : merged(earlier, tracer.sums());
       at.noise = noise_of(sums);
-      check = next_check(done);
+      const double needed = level * std::pow(at.noise / std::max(params.noise, 1e-9), 2.0);
+      if (by_noise && earlier.empty() && plan.is_even() && level >= kPilot && needed > kPilotFrom && most > needed) {
+        plan = SamplePlan::by_need(sums, extent, params.noise);
+        std::fill(taken.begin(), taken.end(), static_cast<uint32_t>(level));
+        level = 0.0;
+        tracer.clear();
+      }
+      check = plan.next_check(level);
+      // The pilot has as many paths as sums say.
+      if (plan.is_even() && by_noise && earlier.empty() && level < kPilot) check = kPilot;
     }
-    at.paths = done;
+    at.paths = mean_paths(level);
     at.elapsed_s = seconds_since(start);
     // Noise falls with the root of the number of paths.
-    double wanted = static_cast<double>(most);
-    if (by_noise && done >= kFirstCheck) {
-      const double by_law = static_cast<double>(done) * std::pow(at.noise / params.noise, 2.0);
-      wanted = std::min(wanted, std::max(by_law, static_cast<double>(done)));
-    }
-    at.fraction = static_cast<double>(done) / wanted;
-    at.left_s = (wanted - done) * at.elapsed_s / std::max<double>(done - first, 1.0);
-    if (request.on_progress && !request.on_progress(at)) {
-      result.interrupted = done < most && !(by_noise && at.noise <= params.noise);
-      break;
-    }
+    double wanted = most < 1e9 ? most : plan.is_even() ? std::max(static_cast<double>(kPilot), level) : mean_paths(1.0);
+    if (by_noise && at.noise < 1.0 && level > 0.0)
+      wanted = std::min(most, std::max(at.paths * std::pow(at.noise / params.noise, 2.0), at.paths));
+    at.fraction = at.paths / std::max(wanted, 1.0);
+    at.left_s = std::max(wanted - at.paths, 0.0) * static_cast<double>(pixels) * at.elapsed_s /
+                std::max(static_cast<double>(fresh), 1.0);
+    if (request.on_progress) wants_more = request.on_progress(at);
   }
-  sums = earlier.empty() ? tracer.sums() : done > first ? merged(earlier, tracer.sums()) : earlier;
+  result.interrupted = !wants_more && mean_paths(level) < most && !(by_noise && at.noise <= params.noise);
+  sums = earlier.empty() ? tracer.sums() : fresh > 0 ? merged(earlier, tracer.sums()) : earlier;
   at.noise = noise_of(sums);
   timings_.frame_ms = 1e3 * seconds_since(start);
   timings_.reference = tracer.counts();
@@ -155,7 +170,6 @@ RenderResult Renderer::render_reference(const RenderRequest& request) {
     tone.keep(out.state);
     p.executor.run(tone);
     const std::vector<uint8_t> rgba = p.executor.read<uint8_t>(out.display);
-    const size_t pixels = size_t{extent.width} * extent.height;
     result.display_rgb.resize(3 * pixels);
     for (size_t k = 0; k < pixels; ++k) std::memcpy(&result.display_rgb[3 * k], &rgba[4 * k], 3);
     result.ev100 = static_cast<double>(p.executor.read<float>(out.state)[0]);
