@@ -43,7 +43,7 @@ Run run(std::vector<std::string> arguments) {
                             },
                         .info = [](bool as_json, std::ostream& stream) { stream << (as_json ? "{}" : "text"); },
                         .open_weather = {},
-                        .layer_names = {"depth", "position", "cloud"},
+                        .layer_names = {"depth", "position", "cloud", "variance", "samples"},
                         .debug_views = {"weather", "density"},
                         .probe_kinds = {"geodetic_ecef"},
                         .in = in,
@@ -336,7 +336,7 @@ TEST_CASE("values out of range are usage errors that name the option and the ran
   CHECK(message_of(render({"--coverage", "nan"}), 2) == "--coverage: nan is out of range; allowed: 0..1");
   CHECK(message_of(render({"--fov", "0"}), 2) == "--fov: 0 is out of range; allowed: > 0 and < 180 deg");
   CHECK(message_of(render({"--height", "inf"}), 2) == "--height: inf is out of range; allowed: -12000..1000000000 m");
-  CHECK(message_of(render({"--frames", "0"}), 2) == "--frames: 0 is out of range; allowed: 1..4096");
+  CHECK(message_of(render({"--frames", "0"}), 2) == "--frames: 0 is out of range; allowed: 1..16777216");
   CHECK(message_of(render({"--exposure", "100"}), 2) == "--exposure: 100 is out of range; allowed: -30..40 EV");
   CHECK(message_of(render({"--time", "1850-01-01"}), 2).starts_with("--time: time '1850-01-01'"));
   CHECK(message_of(render({"--quality", "best"}), 2).starts_with("--quality: 'best' is not one of low, medium,"));
@@ -355,10 +355,39 @@ TEST_CASE("values that are not what the option wants are usage errors that quote
 }
 
 TEST_CASE("options of later issues say 'not supported yet'") {
-  CHECK(message_of(render({"--quality", "reference"}), 2) == "--quality reference: not supported yet");
   CHECK(message_of(render({"--upscale", "16"}), 2) == "--upscale 16: not supported yet; only 1 is");
   CHECK(message_of(render({"--upscale", "3"}), 2) == "--upscale: '3' is not one of 16, 4, 2, 1");
   CHECK(render({"--upscale", "1"}).status == 0);
+}
+
+TEST_CASE("--quality reference ends at the noise or the paths that are asked for, by itself at a noise of 0.02") {
+  const RenderParams alone = scene_of({"--quality", "reference"}).render;
+  CHECK(alone.quality == "reference");
+  CHECK(alone.noise == 0.02);
+  const RenderParams frames = scene_of({"--quality", "reference", "--frames", "1"}).render;
+  CHECK(frames.noise == 0.0);
+  CHECK(frames.frames == 1);
+  CHECK(scene_of({"--quality", "reference", "--noise", "0.1"}).render.noise == 0.1);
+  const RenderParams both = scene_of({"--quality", "reference", "--noise", "0.1", "--frames", "300"}).render;
+  CHECK(both.noise == 0.1);
+  CHECK(both.frames == 300);
+  CHECK(scene_of({}).render.noise == 0.0);
+  CHECK(render({"--quality", "reference", "--aov", "variance,samples"}).outputs.layers ==
+        std::set<std::string>{"samples", "variance"});
+  CHECK(render({"--quality", "reference", "--resume", "/dev/null"}).outputs.resume == "/dev/null");
+}
+
+TEST_CASE("what belongs to --quality reference alone, or does not go with it, is a usage error") {
+  CHECK(message_of(render({"--noise", "0.1"}), 2) == "--noise: the quality is high; it stops --quality reference only");
+  CHECK(message_of(render({"--resume", "/dev/null"}), 2) ==
+        "--resume: the quality is high; only --quality reference can go on");
+  CHECK(message_of(render({"--quality", "reference", "--resume", "/nonexistent/a.exr"}), 3) ==
+        "/nonexistent/a.exr: no such file");
+  CHECK(message_of(render({"--aov", "variance"}), 2) == "--aov variance: written by --quality reference only");
+  CHECK(message_of(render({"--aov", "depth,samples"}), 2) == "--aov samples: written by --quality reference only");
+  CHECK(message_of(render({"--quality", "reference", "--debug", "weather"}), 2) ==
+        "--debug weather: shows the march, which --quality reference does not use");
+  CHECK(message_of(render({"--quality", "reference", "--noise", "nan"}), 2).starts_with("--noise: nan is out of"));
 }
 
 TEST_CASE("outputs: several, of known kinds, in folders that exist") {
@@ -378,7 +407,7 @@ TEST_CASE("outputs: several, of known kinds, in folders that exist") {
       message_of(run({"render", "-o", "/nonexistent/a.png"}), 5).starts_with("/nonexistent/a.png: cannot be written"));
   CHECK(message_of(render({"--timings", "/nonexistent/t.json"}), 5).starts_with("/nonexistent/t.json: "));
   CHECK(message_of(render({"--aov", "dept"}), 2) ==
-        "--aov: 'dept' is unknown; did you mean 'depth'? known: depth, position, cloud");
+        "--aov: 'dept' is unknown; did you mean 'depth'? known: depth, position, cloud, variance, samples");
 }
 
 TEST_CASE("a missing or wrong input file is status 3, before the device is opened") {
