@@ -1,4 +1,4 @@
-#include "clouds/slab_probe.h"
+#include "clouds/traced_slabs.h"
 #include "gpu/device.h"
 #include "probe_tables.h"
 
@@ -48,12 +48,13 @@ std::vector<ProbeColumn> columns_of(const std::vector<SlabLight>& lights) {
 
 std::vector<ProbeColumn> evaluate(const ProbeTable& in, const ProbeOptions& options) {
   const std::vector<Slab> slabs = read_slabs(in);
-  if (options.scene.render.quality == "reference")
-    throw fail(ErrorKind::usage, "probe slab: quality 'reference' is not there yet; low, medium, high and ultra are");
   std::vector<SlabLight> lights;
   if (!slabs.empty()) {
     gpu::Device device({.device = options.device});
-    lights = MarchedSlabs(device, options.scene.clouds.multiple_scattering).solve(slabs);
+    const RenderParams& render = options.scene.render;
+    lights = render.quality == "reference"
+                 ? TracedSlabs(device, render.noise, render.seed).solve(slabs)
+                 : MarchedSlabs(device, options.scene.clouds.multiple_scattering).solve(slabs);
   }
   return columns_of(lights);
 }

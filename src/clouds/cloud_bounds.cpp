@@ -101,6 +101,22 @@ void CloudBoundsMap::add(FrameGraph& graph, const FrameInfo& frame, const CloudD
   });
 }
 
+void CloudBoundsMap::set_even(double low_m, double high_m, double most_per_m) {
+  data_ = shared::CloudBounds{};
+  data_.map.half_m = 1.0f;
+  data_.bands = 1;
+  data_.band_low_m[0] = static_cast<float>(low_m);
+  data_.band_high_m[0] = static_cast<float>(high_m);
+  data_.band_slices[0] = 1.0f;
+  data_.most_per_m = static_cast<float>(most_per_m);
+  const Extent3D none{1, 1, 2};  // bound, never read
+  if (image_ && image_.desc().extent == none) return;
+  image_ = device_.create_image({.name = "clouds.bounds", .extent = none, .format = Format::r32f});
+  const float zeros[2] = {};
+  const gpu::ImageUpload upload{.image = &image_, .bytes = std::as_bytes(std::span(zeros))};
+  device_.upload({&upload, 1});
+}
+
 shared::RegionMap cloud_region(const shared::FrameConstants& frame, const glm::dvec3& camera_ecef_m, double top_m) {
   constexpr double kHalf_m = 10e3, kLooksDownFrom_m = 15e3;
   const double a = static_cast<double>(frame.planet.a_m);

@@ -20,6 +20,8 @@ class CloudBoundsMap {
   /// records belongs to that moment and frame.
   void add(FrameGraph& graph, const FrameInfo& frame, const CloudDensityRefs& density, const shared::RegionMap& map,
            Detail detail = Detail::density);
+  /// Instead of add(): one majorant everywhere between two geodetic heights, and nothing elsewhere. Needs no map.
+  void set_even(double low_m, double high_m, double most_per_m);
   /// As the shader's uniform block has it; valid after add().
   const shared::CloudBounds& data() const { return data_; }
   const gpu::Image& image() const { return image_; }
