@@ -26,9 +26,11 @@ constexpr double kGap_m = 1.0;        ///< of rays' origins from the layer
 constexpr double kBoundsGap_m = 0.5;  ///< of the majorant's band, for the heights' rounding
 constexpr uint32_t kPilot = 256;      ///< paths a ray that say how many it wants
 constexpr int kRounds = 3;
-constexpr double kDefaultNoise = 0.02, kFluxNoise = 0.003, kLeastFlux = 0.001;
-/// Errors below this, 1/sr per irradiance of a horizontal plane, do not matter: a third of a flux's of 0.001.
-constexpr double kLeastRadiance = 1e-4;
+constexpr double kDefaultNoise = 0.02;
+/// Of fluxes: relative error, and the absolute one that does, per noise.
+constexpr double kFluxNoise = 0.15, kLeastFlux = 0.05;
+/// Of radiances: the absolute error that does, per noise and irradiance of a horizontal plane, 1/sr.
+constexpr double kLeastRadiance = 0.005;
 /// Moves of a row's paths along their flights, at the default noise. Software devices make a million a second.
 constexpr double kMovesOfCpu = 3.5e6, kMovesOfGpu = 350e6;
 constexpr uint32_t kDirectSamples = 0x80000000u;  ///< first of those of the direct transmittance
@@ -93,8 +95,9 @@ struct Ray {
 std::vector<Ray> rays_for(const Slab& slab, double noise) {
   std::vector<Ray> rays;
   for (const bool above : {true, false})
-    rays.push_back(
-        {.ray = ray_from(above, above ? -sun_dir(slab) : sun_dir(slab)), .noise = kFluxNoise, .least = kLeastFlux});
+    rays.push_back({.ray = ray_from(above, above ? -sun_dir(slab) : sun_dir(slab)),
+                    .noise = kFluxNoise * noise,
+                    .least = kLeastFlux * noise});
   const auto& all = slab_directions();
   for (size_t i = 0; i < all.size(); ++i) {
     const bool even = slab.g == 0.0 || slab.mu0 == 1.0 || all[i].mu == 1.0;
@@ -104,7 +107,7 @@ std::vector<Ray> rays_for(const Slab& slab, double noise) {
       rays.push_back({.ray = ray_from(all[i].up, looking_along(all[i])),
                       .directions = {i},
                       .noise = noise,
-                      .least = kLeastRadiance * slab.mu0});
+                      .least = kLeastRadiance * noise * slab.mu0});
   }
   return rays;
 }
@@ -225,8 +228,9 @@ void TracedSlabs::Parts::trace_rays(const Slab& slab, std::vector<Ray>& rays) {
     rays[i].next_sample = kPilot;
   }
   const double moves_a_path = std::max<double>(tracer.counts().moves, 1.0) / std::max(tracer.counts().paths, 1u);
-  const double finer = std::max(kDefaultNoise / noise, 1.0);
-  const double all = finer * finer * (device.info().is_software ? kMovesOfCpu : kMovesOfGpu) / moves_a_path;
+  const double finer = kDefaultNoise / noise;
+  const double all = std::max(finer * finer * (device.info().is_software ? kMovesOfCpu : kMovesOfGpu) / moves_a_path,
+                              2.0 * kPilot * static_cast<double>(rays.size()));
   double left = all;
   for (int round = 0; round < kRounds; ++round) {
     samples = shared_out(rays, std::min(left, static_cast<double>(tracer.most_paths())));
@@ -252,7 +256,7 @@ Estimate TracedSlabs::Parts::direct(const Slab& slab) {
   uint32_t samples = 4096, first = kDirectSamples;
   for (int round = 0; round < 2; ++round) {
     all.add(samples, run(black, {&ray, 1}, {&samples, 1}, {&first, 1}).front().escaped);
-    const double wanted = all.variance() / (kLeastFlux * kLeastFlux);
+    const double wanted = std::min(all.variance() / std::pow(kLeastFlux * noise, 2.0), 1.0 * tracer.most_paths());
     if (wanted <= all.paths) break;
     first += samples;
     samples = static_cast<uint32_t>(std::ceil(wanted - all.paths));

@@ -13,9 +13,9 @@ struct TracedSlab {
 /// from below.
 class TracedSlabs : public SlabSolver {
  public:
-  /// `noise`: relative standard error wanted of radiances, 0: 2 %. That of reflectance and diffuse transmittance is
-  /// 0.3 % or 0.001, whichever is larger; of direct transmittance 0.001. Rows that would want too many paths get what
-  /// there is. What a slab's row says depends on it and on `seed` alone.
+  /// `noise`: relative standard error wanted of radiances (or 0.005 mu0 of it, 1/sr, where that is larger); 0: 2 %.
+  /// Of fluxes 0.15 of it relative, or 0.05 of it absolute. Rows that want too many paths get what there is. A slab's
+  /// light depends on it and on `seed` alone.
   explicit TracedSlabs(gpu::Device& device, double noise = 0.0, uint32_t seed = 0);
   ~TracedSlabs() override;
   std::vector<SlabLight> solve(std::span<const Slab> slabs) override;

@@ -70,7 +70,7 @@ size_t direction_index(const SlabDirection& direction) {
 
 TEST_CASE("gpu: traced slabs send what the oracle's do") {
   GpuFixture f;
-  TracedSlabs tracer(f.device, test::full_size() ? 0.0 : 0.05);
+  TracedSlabs tracer(f.device, test::full_size() ? 0.0 : 0.04);
   size_t checked = 0;
   for (const OracleRow& row : oracle_rows()) {
     const Slab& s = row.slab;
@@ -86,7 +86,7 @@ TEST_CASE("gpu: traced slabs send what the oracle's do") {
 
 TEST_CASE("gpu: light goes through a traced slab the other way as well: R(mu, mu0) = R(mu0, mu)") {
   GpuFixture f;
-  TracedSlabs tracer(f.device, 0.02);
+  TracedSlabs tracer(f.device, 0.04);
   const Slab slab{.tau = 2.0, .g = 0.5, .mu0 = 0.7};
   Slab turned = slab;
   turned.mu0 = 0.5;
@@ -94,13 +94,13 @@ TEST_CASE("gpu: light goes through a traced slab the other way as well: R(mu, mu
                b = direction_index({.up = true, .mu = 0.7, .phi_deg = 90.0});
   const TracedSlab one = tracer.trace(slab), other = tracer.trace(turned);
   const double error = std::hypot(one.error.radiance[a] / 0.7, other.error.radiance[b] / 0.5);
-  CHECK(one.light.radiance[a] / 0.7 > 20.0 * error);
+  CHECK(one.light.radiance[a] / 0.7 > 12.0 * error);
   CHECK(std::abs(one.light.radiance[a] / 0.7 - other.light.radiance[b] / 0.5) < 4.0 * error);
 }
 
 TEST_CASE("gpu: a traced slab without absorption loses nothing; one that only absorbs sends nothing") {
   GpuFixture f;
-  TracedSlabs tracer(f.device, 0.2);
+  TracedSlabs tracer(f.device, 0.04);
   const TracedSlab bright = tracer.trace({.tau = 1.0, .g = 0.0, .mu0 = 1.0});
   const SlabLight& l = bright.light;
   CHECK(std::abs(l.reflectance + l.transmittance_direct + l.transmittance_diffuse - 1.0) <
