@@ -86,7 +86,7 @@ struct Ray {
     // A few are not worth a round.
     return wanted < 1.1 * estimate.paths ? 0.0 : wanted - estimate.paths;
   }
-  double importance() const { return directions.empty() ? 20.0 : 1.0; }
+  double importance() const { return directions.empty() ? 10.0 : 1.0; }
 };
 
 /// Paths that enter the layer as sunlight does and leave it on the other side or on the same one, as light does, are
@@ -112,20 +112,31 @@ std::vector<Ray> rays_for(const Slab& slab, double noise) {
   return rays;
 }
 
-/// Shares out `budget` paths: all get as many, and what some do not want goes to the others.
+/// Shares out `budget` paths. Of a third all get as many; the rest goes to those who want least first: what thick
+/// layers let through would want a software device for hours, and take from all others.
 std::vector<uint32_t> shared_out(const std::vector<Ray>& rays, double budget) {
-  const auto total = [&](double level) {
-    double sum = 0.0;
-    for (const Ray& r : rays) sum += std::min(r.missing(), level * r.importance());
-    return sum;
-  };
-  double low = 0.0, high = budget;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (total(middle) > budget ? high : low) = middle;
+  std::vector<double> missing, given;
+  std::vector<size_t> order(rays.size());
+  double parts = 0.0;
+  for (const Ray& r : rays) {
+    missing.push_back(r.missing());
+    parts += r.importance();
+  }
+  for (size_t i = 0; i < rays.size(); ++i) {
+    given.push_back(std::min(missing[i], budget / 3.0 * rays[i].importance() / parts));
+    order[i] = i;
+  }
+  std::sort(order.begin(), order.end(),
+            [&](size_t a, size_t b) { return missing[a] / rays[a].importance() < missing[b] / rays[b].importance(); });
+  double left = budget;
+  for (const double paths : given) left -= paths;
+  for (const size_t i : order) {
+    const double more = std::min(missing[i] - given[i], left);
+    given[i] += more;
+    left -= more;
   }
   std::vector<uint32_t> samples;
-  for (const Ray& r : rays) samples.push_back(static_cast<uint32_t>(std::min(r.missing(), low * r.importance())));
+  for (const double paths : given) samples.push_back(static_cast<uint32_t>(std::max(paths, 0.0)));
   return samples;
 }
 
