@@ -181,7 +181,7 @@ float bound_along(Flight f, out float reach_m) {
   }
   if (above_m < kFar_m) reach_m = min(reach_m, length_rising(above_m, climb) + 0.02);
   if (below_m < kFar_m) reach_m = min(reach_m, length_sinking(below_m, climb) + 0.02);
-  reach_m = max(reach_m, 0.1);
+  reach_m = max(reach_m, max(0.1, 2.0e-7 * f.s));  // s is a float: less would not move it
   return sigma;
 }
 
