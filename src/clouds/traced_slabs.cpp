@@ -86,7 +86,7 @@ struct Ray {
     // A few are not worth a round.
     return wanted < 1.1 * estimate.paths ? 0.0 : wanted - estimate.paths;
   }
-  double importance() const { return directions.empty() ? 10.0 : 1.0; }
+  double importance() const { return directions.empty() ? 40.0 : 1.0; }
 };
 
 /// Paths that enter the layer as sunlight does and leave it on the other side or on the same one, as light does, are
