@@ -91,17 +91,17 @@ TEST_CASE("a plan by need gives variance over the square of 0.95 of the noise, w
 
 TEST_CASE("a pixel's need is partly its own and partly its neighbours': a pilot that saw nothing there proves little") {
   std::vector<PixelSums> pilot(121, pilot_of(0.0f));
-  pilot[60] = pilot_of(9.0f);  // the middle of 11 x 11
+  pilot[60] = pilot_of(90.0f);  // the middle of 11 x 11
   const SamplePlan plan = SamplePlan::by_need(pilot, {11, 11}, 0.1);
-  const double alone = 9.0 / (0.095 * 0.095);
+  const double alone = 90.0 / (0.095 * 0.095);
   CHECK(plan.at(60, 1.0) < 0.9 * alone);
   CHECK(plan.at(60, 1.0) > 0.2 * alone);
   for (const size_t beside : {48u, 49u, 50u, 59u, 61u, 70u, 71u, 72u}) {
     CHECK(plan.at(beside, 1.0) > plan.at(0, 1.0));
     CHECK(plan.at(beside, 1.0) < plan.at(60, 1.0));
   }
-  CHECK(plan.at(0, 1.0) == 32);
-  CHECK(plan.at(55, 1.0) == 32);
+  CHECK(plan.at(0, 1.0) == plan.at(55, 1.0));  // far away: the fewest
+  CHECK(plan.at(0, 1.0) >= 32);
 }
 
 TEST_CASE("rounds of a plan by need add up to it, within their limits") {
