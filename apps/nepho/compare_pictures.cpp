@@ -54,10 +54,12 @@ std::string to_json(const CompareRequest& request, const std::string& tone_curve
   j["mean_relative_error"] = json_of(c.mean_relative_error);
   j["bias"] = json_of(c.bias);
   j["noise_of_b"] = json_of(c.noise_of_b);
+  j["within_3_sigma"] = json_of(c.within_3_sigma);
+  j["largest_z"] = json_of(c.largest_z);
   j["psnr_db"] = json_of(c.psnr_db);
   j["ssim"] = json_of(c.ssim);
   j["flip"] = c.flip;
-  j["measured_on"] = {{"linear", {"rmse", "mean_relative_error", "bias", "noise_of_b"}},
+  j["measured_on"] = {{"linear", {"rmse", "mean_relative_error", "bias", "noise_of_b", "within_3_sigma", "largest_z"}},
                       {"tone_mapped", {"psnr_db", "ssim", "flip"}}};
   // Names of files may be in any encoding.
   return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
@@ -78,6 +80,10 @@ void print_table(const CompareRequest& request, const std::string& tone_curve, c
   row("mean_relative_error", percent(c.mean_relative_error, ""), "sum |A - B| / sum B");
   row("bias", percent(c.bias, "+"), "sum (A - B) / sum B");
   row("noise_of_b", percent(c.noise_of_b, ""), "95 % of B's pixels have this standard error or less");
+  if (c.within_3_sigma) {
+    row("within_3_sigma", percent(c.within_3_sigma, ""), "pixels that differ by 3 combined standard errors at most");
+    row("largest_z", fmt::format("{:.3f}", *c.largest_z), "standard errors of the pixel that differs most");
+  }
   out << fmt::format("tone mapped (curve {}, EV100 {:.3f})\n", tone_curve, c.exposure_ev100);
   row("psnr_db", c.psnr_db ? fmt::format("{:.3f}", *c.psnr_db) : "inf", "dB");
   row("ssim", c.ssim ? fmt::format("{:.5f}", *c.ssim) : "-", "1: equal");

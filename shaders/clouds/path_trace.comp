@@ -38,11 +38,11 @@ layout(constant_id = 16) const uint TURNS = 0u;  // of an invocation's loop; 0: 
 layout(push_constant, scalar) uniform PushBlock { PathPush push; };
 
 const float kFar_m = 1.0e9;
-const float kRouletteBelow = 0.5;   // weights below are gambled up to it
-const float kShadowBelow = 0.3;    // the same of a shadow's transmittance
-const float kGuide = 0.25;           // chance of a scattering to send a second path out towards the key light
+const float kRouletteBelow = 0.3;   // weights below are gambled up to it
+const float kShadowBelow = 0.25;    // the same of a shadow's transmittance
+const float kGuide = 0.3;           // chance of a scattering to send a second path out towards the key light
 const float kGuideWidth = 0.8;      // asymmetry of the lobe that it is drawn from
-const float kShadowOf = 0.12;       // of the light, 1/sr: vertices that would send less are gambled up to it
+const float kShadowOf = 0.2;       // of the light, 1/sr: vertices that would send less are gambled up to it
 const float kLeastShadows = 0.1;
 const int kMoves = 12;              // along a flight in one turn
 

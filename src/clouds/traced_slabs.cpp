@@ -25,7 +25,8 @@ static_assert(sizeof(shared::PathMean) == 20);
 constexpr double kGap_m = 1.0;        ///< of rays' origins from the layer
 constexpr double kBoundsGap_m = 0.5;  ///< of the majorant's band, for the heights' rounding
 constexpr uint32_t kPilot = 256;      ///< paths a ray that say how many it wants
-constexpr int kRounds = 3;
+constexpr double kUnseen = 0.1;       ///< 1/sr, of one path
+constexpr int kRounds = 24;           ///< at most
 constexpr double kDefaultNoise = 0.02;
 /// Of fluxes: relative error, and the absolute one that does, per noise.
 constexpr double kFluxNoise = 0.15, kLeastFlux = 0.05;
@@ -82,7 +83,9 @@ struct Ray {
   double missing() const {
     const Estimate& known = estimate.paths < kPilot ? pilot : estimate;
     const double error = std::max(noise * std::abs(known.mean), least);
-    const double wanted = std::ceil(std::max(known.variance() / (error * error), double{kPilot}));
+    // Of light that few paths find, what was seen says too little: as if one more had found as much as light is.
+    const double unseen = kUnseen * kUnseen / std::max(known.paths, 1.0);
+    const double wanted = std::ceil(std::max((known.variance() + unseen) / (error * error), double{kPilot}));
     // A few are not worth a round.
     return wanted < 1.1 * estimate.paths ? 0.0 : wanted - estimate.paths;
   }

@@ -115,6 +115,11 @@ Comparison compare_images(const ImageBuffer& a, const ImageBuffer& b, const Comp
   out.mean_relative_error = linear.mean_relative_error;
   out.bias = linear.bias;
   out.noise_of_b = noise_of(b, options.name_b, y_b, mask);
+  if (out.noise_of_b && noise_of(a, options.name_a, y_a, mask)) {
+    const Agreement z = agreement(y_a, y_b, *find_rgb(a, "variance."), *find_rgb(b, "variance."), mask);
+    out.within_3_sigma = z.within_3_sigma;
+    out.largest_z = z.largest_z;
+  }
 
   out.exposure_ev100 =
       options.exposure_ev100 ? *options.exposure_ev100 : metered_ev100(b.width, b.height, rgb_b, options.limits);

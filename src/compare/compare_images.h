@@ -30,6 +30,7 @@ struct Comparison {
   // Linear luminance, cd/m2.
   double rmse = 0.0;
   std::optional<double> mean_relative_error, bias, noise_of_b;
+  std::optional<double> within_3_sigma, largest_z;  ///< Agreement, where both pictures have variances
   // Tone mapped, with one exposure for both.
   std::optional<double> psnr_db, ssim;
   double flip = 0.0;

@@ -97,4 +97,26 @@ std::optional<double> relative_noise(std::span<const double> luminance, std::spa
   return errors[rank];
 }
 
+Agreement agreement(std::span<const double> a, std::span<const double> b, std::span<const glm::vec3> variance_a,
+                    std::span<const glm::vec3> variance_b, const PixelMask& mask) {
+  // The channels of one path are one but for their weights.
+  const auto error = [](const glm::vec3& v) {
+    return 0.2126 * std::sqrt(static_cast<double>(v.r)) + 0.7152 * std::sqrt(static_cast<double>(v.g)) +
+           0.0722 * std::sqrt(static_cast<double>(v.b));
+  };
+  Agreement out;
+  size_t count = 0, within = 0;
+  for (size_t i = 0; i < mask.size(); ++i) {
+    if (!mask[i]) continue;
+    ++count;
+    const double sigma = std::hypot(error(variance_a[i]), error(variance_b[i])), apart = std::abs(a[i] - b[i]);
+    // Half a millionth is what floats of one light differ by between devices.
+    const double z = sigma > 5e-7 * std::abs(b[i]) ? apart / sigma : (apart <= 5e-6 * std::abs(b[i]) ? 0.0 : 1e9);
+    within += z <= 3.0;
+    out.largest_z = std::max(out.largest_z, z);
+  }
+  out.within_3_sigma = static_cast<double>(within) / static_cast<double>(std::max<size_t>(count, 1));
+  return out;
+}
+
 }  // namespace nepho

@@ -35,4 +35,14 @@ std::optional<double> ssim(uint32_t width, uint32_t height, std::span<const glm:
 std::optional<double> relative_noise(std::span<const double> luminance, std::span<const glm::vec3> variance,
                                      const PixelMask& mask);
 
+/// How two noisy pictures of the same expectation should differ: Z = (A - B) / sqrt(their variances' sum), of luminance.
+struct Agreement {
+  double within_3_sigma = 0.0;  ///< share of the pixels with |Z| <= 3; 0.9973 of normal errors
+  double largest_z = 0.0;
+};
+/// Over the mask's pixels; those where neither picture has variance count as within when they are equal. Variances as
+/// relative_noise() takes them.
+Agreement agreement(std::span<const double> a, std::span<const double> b, std::span<const glm::vec3> variance_a,
+                    std::span<const glm::vec3> variance_b, const PixelMask& mask);
+
 }  // namespace nepho

@@ -18,9 +18,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-/// Paths of every pixel from which their needs are judged.
-constexpr uint32_t kPilot = 64;
-/// Below so many paths a pixel, on average, it is not worth one.
+/// Paths of every pixel that tell whether a pilot is worth it, and the largest pilot.
+constexpr double kPilot = 64.0, kMostPilot = 512.0;
+/// Below so many paths a pixel it is not.
 constexpr double kPilotFrom = 1024.0;
 
 /// A round should take about so long: interrupts are quick, and no watchdog barks.
@@ -97,10 +97,10 @@ RenderResult Renderer::render_reference(const RenderRequest& request) {
   std::vector<shared::PixelSums> earlier;
   if (request.resume) earlier = sums_of_picture(*request.resume, extent);
   SamplePlan plan = earlier.empty() ? SamplePlan::even(pixels) : SamplePlan::like(earlier);
-  // Sample numbers that are taken: of an even picture those below its level, of another one's also a pilot's.
+  // Sample numbers that are taken: of an even picture those below its level, of another one's also a pilot's (no more than the largest).
   std::vector<uint32_t> taken(pixels, 0), samples, numbers(pixels);
   double level = 0.0;
-  for (size_t i = 0; i < earlier.size(); ++i) taken[i] = plan.is_even() ? 0 : kPilot;
+  for (size_t i = 0; i < earlier.size(); ++i) taken[i] = plan.is_even() ? 0 : static_cast<uint32_t>(kMostPilot);
   if (!earlier.empty()) level = plan.is_even() ? static_cast<double>(earlier.front().paths) : 1.0;
 
   const auto start = Clock::now();
@@ -110,7 +110,8 @@ RenderResult Renderer::render_reference(const RenderRequest& request) {
   double check = plan.next_check(level), paths_per_s = 1e5;
   uint64_t fresh = 0;  // paths so far
   const auto mean_paths = [&](double l) { return static_cast<double>(plan.paths(l)) / static_cast<double>(pixels); };
-  bool wants_more = true;
+  bool wants_more = true, even_for_good = false;
+  double pilot = kPilot;
   while (mean_paths(level) < most && !(by_noise && at.noise <= params.noise) && wants_more) {
     double goal = check;
     if (plan.is_even()) goal = std::min(goal, most);
@@ -129,21 +130,31 @@ RenderResult Renderer::render_reference(const RenderRequest& request) {
     if (level >= goal) {
       sums = earlier.empty() ? tracer.sums() : merged(earlier, tracer.sums());
       at.noise = noise_of(sums);
-      const double needed = level * std::pow(at.noise / std::max(params.noise, 1e-9), 2.0);
-      if (by_noise && earlier.empty() && plan.is_even() && level >= kPilot && needed > kPilotFrom && most > needed) {
-        plan = SamplePlan::by_need(sums, extent, params.noise);
-        std::fill(taken.begin(), taken.end(), static_cast<uint32_t>(level));
-        level = 0.0;
-        tracer.clear();
-      }
       check = plan.next_check(level);
-      // The pilot has as many paths as sums say.
-      if (plan.is_even() && by_noise && earlier.empty() && level < kPilot) check = kPilot;
+      if (by_noise && earlier.empty() && plan.is_even() && !even_for_good) {
+        const double needed = level * std::pow(at.noise / params.noise, 2.0);
+        if (level < kPilot) {
+          pilot = check = kPilot;
+        } else if (needed < kPilotFrom || most < needed) {
+          even_for_good = true;
+        } else if (level < pilot || pilot == kPilot) {
+          // About a twentieth of the work.
+          pilot = std::max(level, std::min(kMostPilot, std::exp2(std::floor(std::log2(needed / 20.0)))));
+          check = pilot;
+        }
+        if (!even_for_good && level >= kPilot && level >= pilot) {
+          plan = SamplePlan::by_need(sums, extent, params.noise);
+          std::fill(taken.begin(), taken.end(), static_cast<uint32_t>(level));
+          level = 0.0;
+          check = plan.next_check(level);
+          tracer.clear();
+        }
+      }
     }
     at.paths = mean_paths(level);
     at.elapsed_s = seconds_since(start);
     // Noise falls with the root of the number of paths.
-    double wanted = most < 1e9 ? most : plan.is_even() ? std::max(static_cast<double>(kPilot), level) : mean_paths(1.0);
+    double wanted = most < 1e9 ? most : plan.is_even() ? std::max(kPilot, level) : mean_paths(1.0);
     if (by_noise && at.noise < 1.0 && level > 0.0)
       wanted = std::min(most, std::max(at.paths * std::pow(at.noise / params.noise, 2.0), at.paths));
     at.fraction = at.paths / std::max(wanted, 1.0);

@@ -10,8 +10,13 @@ namespace {
 
 constexpr double kFirstCheck = 16.0;  // of even plans, in paths
 constexpr float kFewest = 32.0f, kMost = 1.0e6f;
+constexpr double kLeastOfMean = 0.25;
 /// A pixel aims a little below the noise asked for: a twentieth of them may stay above.
 constexpr double kAim = 0.95;
+
+/// A pilot's variances are uncertain: a pixel's own counts so much, the mean of those around it the rest.
+constexpr float kOwn = 0.3f;
+constexpr int kAround = 2;  // px
 
 /// Relative variance of one path's luminance; 0 of black pixels.
 float relative_variance(const shared::PixelSums& s) {
@@ -37,16 +42,21 @@ SamplePlan SamplePlan::by_need(std::span<const shared::PixelSums> pilot, Extent2
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
       float sum = 0.0f, n = 0.0f;
-      for (int j = std::max(y - 1, 0); j <= std::min(y + 1, h - 1); ++j)
-        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, w - 1); ++i) {
+      for (int j = std::max(y - kAround, 0); j <= std::min(y + kAround, h - 1); ++j)
+        for (int i = std::max(x - kAround, 0); i <= std::min(x + kAround, w - 1); ++i) {
           sum += own[static_cast<size_t>(j * w + i)];
           n += 1.0f;
         }
       const auto at = static_cast<size_t>(y * w + x);
-      const float variance = 0.5f * (own[at] + sum / n);
+      const float variance = kOwn * own[at] + (1.0f - kOwn) * sum / n;
       const auto needed = static_cast<float>(static_cast<double>(variance) / std::pow(kAim * noise, 2.0));
       plan.share_[at] = std::clamp(needed, kFewest, kMost);
     }
+  // A thin veil that the pilot's paths all passed by must not show as a bright point: one hit among many paths is little.
+  double sum = 0.0;
+  for (const float share : plan.share_) sum += static_cast<double>(share);
+  const auto least = static_cast<float>(kLeastOfMean * sum / static_cast<double>(plan.share_.size()));
+  for (float& share : plan.share_) share = std::max(share, least);
   return plan;
 }
 

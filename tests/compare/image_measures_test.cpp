@@ -116,3 +116,14 @@ TEST_CASE("heatmap: blue is too dark, red too bright, near white equal, full at 
   CHECK(error_heatmap(std::vector{1.0, 0.0}, std::vector{0.0, 0.0}, {1, 1}) ==
         std::vector<uint8_t>{103, 0, 31, 247, 247, 247});
 }
+
+TEST_CASE("agreement: Z by hand, pixels without variance must be equal") {
+  const std::vector<double> a{10.0, 10.0, 5.0, 5.0}, b{13.0, 10.5, 5.0, 6.0};
+  // One channel's deviation: 1 / 0.7152 of green gives a standard error of 1 in luminance.
+  const float v = 1.0f / (0.7152f * 0.7152f);
+  const std::vector<glm::vec3> va{{0, v, 0}, {0, v, 0}, {0, 0, 0}, {0, 0, 0}}, vb(4, glm::vec3(0.0f));
+  const Agreement three = agreement(a, b, va, vb, {1, 1, 1, 0});
+  CHECK(three.largest_z == doctest::Approx(3.0).epsilon(1e-5));
+  CHECK(agreement(a, b, va, vb, {0, 1, 1, 1}).within_3_sigma == doctest::Approx(2.0 / 3.0));
+  CHECK(agreement(a, b, va, va, {1, 0, 0, 0}).largest_z == doctest::Approx(3.0 / std::sqrt(2.0)).epsilon(1e-5));
+}
