@@ -187,7 +187,7 @@ TEST_CASE("a header without rows gives a header, for every kind") {
       CHECK(probe(kind, "height_m,lon_deg,lat_deg\n") == clouds.at(kind));
       continue;
     }
-    const std::string text = oracle_text(kind);
+    const std::string text = oracle_text(kind == "slab" ? "slab_dev" : kind);
     CHECK(rows_of(probe(kind, text.substr(0, text.find('\n') + 1))).empty());
   }
 }
