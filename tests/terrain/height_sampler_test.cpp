@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-
 #include <limits>
 
 #include "terrain/imagery_sampler.h"
