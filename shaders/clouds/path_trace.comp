@@ -29,6 +29,7 @@ layout(set = 0, binding = 15) uniform sampler2D surface_normal;
 layout(set = 0, binding = 16) uniform sampler2D key_tex;         // illuminance of the key light over (mu, height)
 #define GROUND_MAP_BINDING 17  // and 18
 #include "terrain/ground_map.glsl"
+#include "clouds/flight.glsl"
 layout(scalar, set = 0, binding = 20) buffer WorkBlock { PathWork data; } work;
 layout(scalar, set = 0, binding = 21) writeonly buffer ResultBlock { PathResult at[]; } results;
 layout(scalar, set = 0, binding = 22) readonly buffer RayBlock { PathRay at[]; } rays;
@@ -37,7 +38,6 @@ layout(scalar, set = 0, binding = 23) buffer LaneBlock { PathLane at[]; } lanes;
 layout(constant_id = 16) const uint TURNS = 0u;  // of an invocation's loop; 0: until there is nothing to do
 layout(push_constant, scalar) uniform PushBlock { PathPush push; };
 
-const float kFar_m = 1.0e9;
 const float kRouletteBelow = 0.3;   // weights below are gambled up to it
 const float kShadowBelow = 0.25;    // the same of a shadow's transmittance
 const float kGuide = 0.3;           // chance of a scattering to send a second path out towards the key light
@@ -46,76 +46,11 @@ const float kShadowOf = 0.2;       // of the light, 1/sr: vertices that would se
 const float kLeastShadows = 0.1;
 const int kMoves = 12;              // along a flight in one turn
 
-// A straight flight of a path. Heights follow from f = |q|^2 - a^2, quadratic along it (planet.h).
-struct Flight {
-  vec3 origin, dir;
-  vec3 q0, scaled_dir;
-  float f0, slope, bend;  // f = f0 + s (slope + s bend)
-  float s;                // where it is, m
-  float end_m;            // where the surface is; kFar_m: nowhere
-  float left;             // optical depth of majorant to the next tentative collision
-};
-
-struct Place {
-  vec3 up;         // geodetic normal
-  vec3 dir;        // from the centre, scaled space
-  float inv_q;     // 1 / |q|
-  float height_m;  // geodetic
-};
-
-Place place_on(Flight f) {
-  vec3 q = f.q0 + f.scaled_dir * f.s;
-  Place p;
-  float len2 = dot(q, q);
-  p.inv_q = inversesqrt(len2);
-  p.dir = q * p.inv_q;
-  vec3 sq = vec3(q.xy, q.z * CLOUD_PLANET.a_over_b);
-  float inv = inversesqrt(dot(sq, sq));
-  p.up = sq * inv;
-  p.height_m = scaled_height_from_f(CLOUD_PLANET, f.f0 + f.s * (f.slope + f.s * f.bend)) * (len2 * p.inv_q * inv);
-  return p;
-}
-
-// Along `dir` from a camera-relative point, without a surface.
-Flight flight_from(vec3 origin, vec3 dir) {
-  Flight f;
-  f.origin = origin;
-  f.dir = dir;
-  f.q0 = planet_q(CLOUD_PLANET, origin);
-  f.scaled_dir = scaled_from_cam(CLOUD_PLANET, dir);
-  f.f0 = planet_f_from_q(CLOUD_PLANET, origin, f.q0);
-  f.slope = 2.0 * dot(f.q0, f.scaled_dir);
-  f.bend = dot(f.scaled_dir, f.scaled_dir);
-  f.s = 0.0;
-  f.end_m = kFar_m;
-  f.left = 0.0;
-  return f;
-}
-
-// Distance to a shell of scaled height h from above; 0 from below it when the flight descends, kFar_m when it does not meet it.
-float distance_to_shell(Flight f, float h_m) {
-  float c = f.f0 - h_m * (2.0 * CLOUD_PLANET.a_m + h_m), b = -0.5 * f.slope;
-  if (b <= 0.0) return kFar_m;
-  float root = b * b - f.bend * c;
-  if (root < 0.0) return kFar_m;
-  return max(c, 0.0) / (b + sqrt(root));
-}
-
 // Where a flight of scattered light meets the ground: a smooth shell at the ground map's height there.
 float distance_to_ground_map(Flight f) {
   float t = distance_to_shell(f, scaled_height_from_geodetic(CLOUD_PLANET, f.q0, ground_height_m(scene.ground, normalize(f.q0))));
   vec3 q = f.q0 + f.scaled_dir * min(t, 1.0e6);
   return distance_to_shell(f, scaled_height_from_geodetic(CLOUD_PLANET, q, ground_height_m(scene.ground, normalize(q))));
-}
-
-// Length over which a ray rises by dz, and sinks by dz (kFar_m: it does not), climbing by `climb` a metre where it is.
-float length_rising(float dz, float climb) {
-  float root = sqrt(climb * climb + 2.0 * dz / CLOUD_PLANET.a_m);
-  return climb >= 0.0 ? 2.0 * dz / (climb + root) : CLOUD_PLANET.a_m * (root - climb);
-}
-float length_sinking(float dz, float climb) {
-  float root = climb * climb - 2.0 * dz / CLOUD_PLANET.a_m;
-  return climb >= 0.0 || root < 0.0 ? kFar_m : 2.0 * dz / (sqrt(root) - climb);
 }
 
 // The majorant where a flight is, and how far it holds.

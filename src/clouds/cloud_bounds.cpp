@@ -68,10 +68,8 @@ CloudBoundsMap::CloudBoundsMap(gpu::Device& device, const Clouds& clouds)
 
 void CloudBoundsMap::add(FrameGraph& graph, const FrameInfo& frame, const CloudDensityRefs& density,
                          const shared::RegionMap& map, Detail detail) {
-  data_ = shared::CloudBounds{};
+  data_ = cloud_bands(clouds_);
   data_.map = map;
-  data_.most_per_m = most_extinction(clouds_);
-  set_bands(data_, clouds_.layer_ranges());
   const Extent3D extent{shared::kBoundsTexels, shared::kBoundsTexels, shared::kBoundsSlices * map.levels};
   if (!image_ || !(image_.desc().extent == extent))
     image_ = device_.create_image({.name = "clouds.bounds", .extent = extent, .format = Format::r32f});
@@ -115,6 +113,13 @@ void CloudBoundsMap::set_even(double low_m, double high_m, double most_per_m) {
   const float zeros[2] = {};
   const gpu::ImageUpload upload{.image = &image_, .bytes = std::as_bytes(std::span(zeros))};
   device_.upload({&upload, 1});
+}
+
+shared::CloudBounds cloud_bands(const Clouds& clouds) {
+  shared::CloudBounds bounds{};
+  bounds.most_per_m = most_extinction(clouds);
+  set_bands(bounds, clouds.layer_ranges());
+  return bounds;
 }
 
 shared::RegionMap cloud_region(const shared::FrameConstants& frame, const glm::dvec3& camera_ecef_m, double top_m) {

@@ -35,6 +35,9 @@ class CloudBoundsMap {
   shared::CloudBounds data_{};
 };
 
+/// The bands of height that hold all layers, cut into slices; without a map.
+shared::CloudBounds cloud_bands(const Clouds& clouds);
+
 /// The nested maps that a camera's clouds want: centred where it looks on the ground from far above, else below it;
 /// as wide as it can see clouds up to `top_m`.
 shared::RegionMap cloud_region(const shared::FrameConstants& frame, const glm::dvec3& camera_ecef_m, double top_m);

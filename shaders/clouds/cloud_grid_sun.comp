@@ -1,0 +1,65 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Optical depth from the grid's voxels to the key light, through the grid itself: steps of about a voxel that grow with distance.
+#include "common/frame.h"
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
+#define CLOUD_PLANET frame.frame_data.planet
+layout(set = 0, binding = 1) uniform sampler3D grid_tex;
+#include "clouds/cloud_grid.glsl"
+layout(scalar, set = 0, binding = 2) uniform LightBlock { CloudLightConstants data; } light;
+layout(set = 0, binding = 3, rg16f) uniform writeonly image3D out_grid;
+
+const int kSteps = 64;
+const float kGrowth = 0.06;
+
+// A point given by its direction from the Earth's centre (scaled space) and its geodetic height, camera-relative: to half a metre.
+vec3 point_at(PlanetView planet, vec3 dir, float height_m) {
+  vec3 q = dir * (planet.a_m + scaled_height_from_geodetic(planet, dir, height_m));
+  vec3 d = (q - planet.camera_q_m) - planet.camera_q_low_m;
+  return vec3(d.xy, d.z / planet.a_over_b);
+}
+
+void main() {
+  ivec3 at = ivec3(gl_GlobalInvocationID);
+  CloudBounds grid = light.data.grid;
+  int level = at.z / int(kBoundsSlices);
+  int slice = at.z - level * int(kBoundsSlices);
+  int band = -1;
+  for (uint b = 0u; b < grid.bands; ++b)
+    if (float(slice) >= grid.band_first[b] && float(slice) < grid.band_first[b] + grid.band_slices[b]) band = int(b);
+  if (band < 0) return;
+  float half_m = region_half_m(grid.map, uint(level));
+  float texel_m = 2.0 * half_m / float(kBoundsTexels);
+  vec2 xy = (vec2(at.xy) + 0.5) * texel_m - half_m;
+  bool hidden = level > 0 && max(abs(xy.x), abs(xy.y)) < 0.5 * half_m * (1.0 - 3.0 / float(kBoundsTexels));
+  vec3 sun = frame.frame_data.key_dir;
+  float low_m = grid.band_low_m[band], slice_m = (grid.band_high_m[band] - low_m) / grid.band_slices[band];
+  vec3 dir = region_direction(grid.map, xy);
+  vec3 p = point_at(CLOUD_PLANET, dir, low_m + (float(slice) - grid.band_first[band] + 0.5) * slice_m);
+  Flight f = flight_from(p, sun);
+  float climb0 = abs(dot(place_on(f).up, sun));
+  // A voxel's length along the ray.
+  float step_m = 0.7 * min(texel_m / max(sqrt(1.0 - climb0 * climb0), 0.05), slice_m / max(climb0, 0.02));
+  float tau = 0.0, sigma0 = texelFetch(grid_tex, at, 0).r;
+  for (int i = 0; i < kSteps && !hidden; ++i) {
+    f.s += step_m;
+    Place here = place_on(f);
+    float above_m, below_m;
+    int b = grid_band(grid, here.height_m, above_m, below_m);
+    float sigma = 0.0;
+    if (b >= 0) {
+      sigma = grid_read(grid, b, here).x;
+      tau += 0.5 * (sigma0 + sigma) * step_m;
+    } else {
+      tau += 0.5 * sigma0 * step_m;
+      float climb = dot(here.up, sun);
+      float leap = min(above_m < kFar_m ? length_rising(above_m + 0.5, climb) : kFar_m, below_m < kFar_m ? length_sinking(below_m + 0.5, climb) : kFar_m);
+      if (leap >= kFar_m) break;
+      f.s += leap;
+    }
+    sigma0 = sigma;
+    step_m *= 1.0 + kGrowth;
+  }
+  imageStore(out_grid, at, vec4(texelFetch(grid_tex, at, 0).r, tau, 0.0, 0.0));
+}

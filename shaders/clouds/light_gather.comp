@@ -1,0 +1,129 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// What a droplet in each seen cell would send to the camera of light that was scattered before: paths backwards from the cell.
+// The first direction is drawn from the true phase function; from there on the medium is the similarity-scaled one (delta-M,
+// Wiscombe 1977): the share f of scattering goes straight on, the rest has the asymmetry g*. docs/light.md has the derivation.
+#include "clouds/clouds_shared.h"
+#include "common/frame.h"
+#include "common/random.h"
+#include "common/sampling.h"
+layout(local_size_x = 64) in;
+layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
+layout(scalar, set = 0, binding = 1) uniform CloudBlock { CloudConstants cloud_data; } cloud;
+#define CLOUD cloud.cloud_data
+#define CLOUD_PLANET frame.frame_data.planet
+layout(set = 0, binding = 2) uniform sampler3D grid_tex;
+#include "clouds/cloud_grid.glsl"
+#include "clouds/light_cells.glsl"
+layout(scalar, set = 0, binding = 3) uniform LightBlock { CloudLightConstants data; } light;
+layout(scalar, set = 0, binding = 4) readonly buffer WorkBlock { LightWork data; } work;
+layout(scalar, set = 0, binding = 5) readonly buffer ListBlock { uint at[]; } list;
+layout(set = 0, binding = 6, rgba16f) uniform writeonly image3D out_cells;
+layout(scalar, set = 0, binding = 9) readonly buffer FactsBlock { GridFacts data; } facts;
+#define GROUND_MAP_BINDING 7  // and 8
+#include "terrain/ground_map.glsl"
+
+const int kMostTurns = 40000;
+const float kRouletteBelow = 0.3;
+
+float ground_distance(Flight f) {
+  float t = distance_to_shell(f, scaled_height_from_geodetic(CLOUD_PLANET, f.q0, ground_height_m(light.data.ground, normalize(f.q0))));
+  vec3 q = f.q0 + f.scaled_dir * min(t, 1.0e6);
+  return distance_to_shell(f, scaled_height_from_geodetic(CLOUD_PLANET, q, ground_height_m(light.data.ground, normalize(q))));
+}
+
+void main() {
+  uint item = gl_GlobalInvocationID.x;
+  if (item >= work.data.count) return;
+  uint cell = list.at[item];
+  FrameConstants f = frame.frame_data;
+  LightCells cells = light.data.cells;
+  CloudBounds grid = light.data.grid;
+  uint slice = cell % cells.slices, column = cell / cells.slices;
+  uvec2 node = uvec2(column % cells.nodes.x, column / cells.nodes.x);
+  vec3 dir = light_node_direction(f, cells, node);
+  float entry = light_entry(f.planet, grid, dir);
+  vec3 sum = vec3(0.0);  // of the key light, of the sky, of the lit ground, 1/sr
+  float valid = entry >= 0.0 ? 1.0 : 0.0;
+  vec3 origin = dir * (max(entry, 0.0) + light_slice_m(cells, float(slice) + 0.5));
+  vec3 sun = f.key_dir;
+  float rest = 1.0 - light.data.forward_albedo;  // of the extinction, in the scaled medium
+  float majorant = rest * uintBitsToFloat(facts.data.most);
+  Random random = random_stream(cell, light.data.frame_index, light.data.seed);
+  vec2 shift = vec2(random_unit(random), random_unit(random));
+
+  uint path = 0u;
+  bool alive = false;
+  Flight flight = flight_from(origin, dir);
+  float weight = 0.0, above_m, below_m;
+  int band = -1;
+  for (int turn = 0; turn < kMostTurns && valid > 0.0; ++turn) {
+    bool begin = false;
+    vec3 start = vec3(0.0), way = vec3(0.0);
+    if (!alive) {
+      if (path == cells.paths) break;
+      // Stratified over the angle, golden steps about it.
+      vec2 u = vec2((float(path) + shift.x) / float(cells.paths), fract(shift.y + 0.618034 * float(path)));
+      way = direction_about(dir, sample_dual_hg_cosine(CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight, u.x), u.y);
+      start = origin;
+      weight = 1.0;
+      alive = begin = true;
+      ++path;
+    }
+    if (!begin) {
+      // On to the next tentative collision, or over a gap between bands.
+      bool inside = band >= 0;
+      Place here = place_on(flight);
+      float climb = dot(flight.dir, here.up);
+      float leap = min(above_m < kFar_m ? length_rising(above_m + 0.5, climb) : kFar_m, below_m < kFar_m ? length_sinking(below_m + 0.5, climb) : kFar_m);
+      flight.s += inside ? max(-log(1.0 - random_unit(random)), 1.0e-6) / majorant : leap;
+      vec2 draw = vec2(random_unit(random), random_unit(random));
+      float chance = random_unit(random);
+      if (flight.s >= flight.end_m) {
+        if (flight.end_m >= kFar_m) {
+          sum.y += weight / kPi;
+          alive = false;
+        } else {
+          flight.s = flight.end_m;
+          here = place_on(flight);
+          vec3 p = flight.origin + flight.dir * flight.s;
+          GroundPoint ground = ground_at(light.data.ground, here.dir);
+          float albedo = mix(dot(ground.albedo, vec3(0.2126, 0.7152, 0.0722)), 0.06, ground.water);
+          weight *= albedo;
+          sum.z += weight / kPi * exp(-rest * grid_sun_depth(grid, p, sun));
+          if (weight < kRouletteBelow) {
+            alive = chance < weight / kRouletteBelow;
+            weight = kRouletteBelow;
+          }
+          begin = true;
+          start = p + here.up;
+          way = sample_cosine_hemisphere(here.up, draw);
+        }
+      } else {
+        here = place_on(flight);
+        band = grid_band(grid, here.height_m, above_m, below_m);
+        if (band >= 0 && inside) {
+          vec2 medium = grid_read(grid, band, here);
+          if (chance * majorant < rest * medium.x) {
+            weight *= light.data.wide_albedo;
+            sum.x += weight * phase_hg(dot(flight.dir, sun), light.data.wide_g) * exp(-rest * medium.y);
+            if (weight < kRouletteBelow) {
+              alive = fract(chance * 4096.0) < weight / kRouletteBelow;
+              weight = kRouletteBelow;
+            }
+            begin = true;
+            start = flight.origin + flight.dir * flight.s;
+            way = direction_about(flight.dir, sample_hg_cosine(light.data.wide_g, draw.x), draw.y);
+          }
+        }
+      }
+    }
+    if (begin) {
+      flight = flight_from(start, way);
+      flight.end_m = ground_distance(flight);
+      band = grid_band(grid, place_on(flight).height_m, above_m, below_m);
+    }
+  }
+  sum /= float(max(path, 1u));
+  imageStore(out_cells, ivec3(node, slice), vec4(sum, valid));
+}

@@ -1,0 +1,55 @@
+// Data of the light inside clouds, for C++ and GLSL (docs/light.md).
+#ifndef NEPHO_CLOUDS_LIGHT_SHARED_H
+#define NEPHO_CLOUDS_LIGHT_SHARED_H
+#include "clouds/path_shared.h"
+SHARED_BEGIN
+
+// The light that clouds scattered at least once is kept in cells that fan out from the camera: nodes over the picture times
+// slices along each ray, from where the ray meets the first layer on. Slice i is first_m (1 + growth)^i long.
+struct LightCells {
+  uvec2 nodes;
+  uint slices;       // a multiple of 32
+  uint paths;        // through each cell
+  float first_m;
+  float growth;
+  float log2_ratio;  // log2(1 + growth)
+  uint stride_px;    // of the pixels whose rays say which cells are seen
+};
+
+struct CloudLightConstants {
+  CloudBounds grid;      // places of the density grid: maps and bands, see grid_read()
+  RegionMap ground;      // of the ground's albedo and height
+  LightCells cells;
+  float forward_share;   // f: share of scattering taken as going straight on
+  float wide_g;          // asymmetry of the rest
+  float wide_albedo;     // single scattering albedo of the rest
+  float forward_albedo;  // share of extinction that goes straight on: albedo * f
+  uint seed;
+  uint frame_index;
+};
+
+// Place along the slices of a point `s_m` beyond the ray's entry; slice i holds i..i+1.
+SHARED_FN float light_slice(LightCells cells, float s_m) {
+  return log2(1.0f + max(s_m, 0.0f) * cells.growth / cells.first_m) / cells.log2_ratio;
+}
+
+SHARED_FN float light_slice_m(LightCells cells, float slice) {
+  return (exp2(slice * cells.log2_ratio) - 1.0f) * cells.first_m / cells.growth;
+}
+
+// How many cells are seen.
+struct LightWork {
+  uint count;
+};
+
+// What is known of the whole grid.
+struct GridFacts {
+  uint most;  // bits of its largest extinction, 1/m
+};
+
+// Beam table: theta = pi u^2, u = 0..1 over kBeamTexels; rows of four orders.
+SHARED_CONST uint kBeamTexels = 512u;
+SHARED_CONST uint kBeamOrders = 8u;
+
+SHARED_END
+#endif

@@ -1,0 +1,176 @@
+#include "clouds/cloud_light.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "clouds/beam_table.h"
+#include "clouds/cloud_bounds.h"
+#include "clouds/cloud_grid_bake.comp.h"
+#include "clouds/cloud_grid_sun.comp.h"
+#include "clouds/light_gather.comp.h"
+#include "clouds/light_list.comp.h"
+#include "clouds/light_mark.comp.h"
+#include "gpu/commands.h"
+
+namespace nepho {
+namespace {
+
+constexpr uint32_t kSlices = 384;   ///< of cells along a ray
+constexpr uint32_t kPaths = 32;     ///< through each cell
+constexpr uint32_t kMostNodes = 96;  ///< of cells along the longer side of the picture
+constexpr uint32_t kNode_px = 4;     ///< pixels between nodes in small pictures
+
+shared::LightCells cells_for(Extent2D extent) {
+  const uint32_t longest = std::max(extent.width, extent.height);
+  const double px = std::max(double{kNode_px}, static_cast<double>(longest) / kMostNodes);
+  shared::LightCells c{};
+  c.nodes = {std::max(2u, static_cast<uint32_t>(std::lround(extent.width / px))),
+             std::max(2u, static_cast<uint32_t>(std::lround(extent.height / px)))};
+  c.slices = kSlices;
+  c.paths = kPaths;
+  c.first_m = 25.0f;
+  c.growth = 0.015f;
+  c.log2_ratio = std::log2(1.0f + c.growth);
+  c.stride_px = std::max(1u, static_cast<uint32_t>(px / 2.0));
+  return c;
+}
+
+}  // namespace
+
+CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds)
+    : device_(device),
+      clouds_(clouds),
+      sun_(device, {.name = "clouds.grid_sun", .spirv = cloud_grid_sun_comp}),
+      mark_(device, {.name = "clouds.light_mark", .spirv = light_mark_comp}),
+      list_(device, {.name = "clouds.light_list", .spirv = light_list_comp}),
+      gather_(device, {.name = "clouds.light_gather", .spirv = light_gather_comp}) {
+  const auto phase = cloud_phase(clouds.params());
+  const std::vector<double> moments = phase_moments(phase, 3);
+  const PhaseCut cut = cut_phase(moments[1], moments[2]);
+  forward_share_ = static_cast<float>(cut.forward_share);
+  wide_g_ = static_cast<float>(cut.wide_g);
+  const std::vector<float> table = beam_table(phase, cut, shared::kBeamTexels, shared::kBeamOrders);
+  beam_ = device.create_image({.name = "clouds.beam",
+                               .extent = {shared::kBeamTexels, shared::kBeamOrders / 4},
+                               .format = Format::rgba32f});
+  const gpu::ImageUpload upload{.image = &beam_, .bytes = std::as_bytes(std::span(table))};
+  device.upload({&upload, 1});
+}
+
+shared::RegionMap CloudLight::region(const FrameInfo& frame) const {
+  constexpr float kHalf_m = 4e3f;  // of the finest map: voxels of 62 m
+  double top_m = 0.0;
+  for (const Clouds::HeightRange& r : clouds_.layer_ranges()) top_m = std::max(top_m, r.high_m);
+  shared::RegionMap map = cloud_region(frame.constants, frame.camera_ecef_m, top_m);
+  const float reach_m = map.half_m * std::exp2(static_cast<float>(map.levels - 1));
+  map.half_m = kHalf_m;
+  map.levels = std::min(12u, 1u + static_cast<uint32_t>(std::ceil(std::log2(std::max(reach_m / kHalf_m, 1.0f)))));
+  return map;
+}
+
+void CloudLight::add_grid(FrameGraph& graph, const FrameInfo& frame, const CloudDensityRefs& density, BufferRef data,
+                          BufferRef facts, uint32_t levels) {
+  const Extent3D extent{shared::kBoundsTexels, shared::kBoundsTexels, shared::kBoundsSlices * levels};
+  if (!grid_ || !(grid_.desc().extent == extent)) {
+    extinction_ = device_.create_image({.name = "clouds.grid_extinction", .extent = extent, .format = Format::r16f});
+    grid_ = device_.create_image({.name = "clouds.grid", .extent = extent, .format = Format::rg16f});
+  }
+  const ImageRef extinction = graph.import(extinction_), grid = graph.import(grid_);
+  const uint32_t phases = clouds_.phases_at(frame.time_s);
+  gpu::ComputePipeline& pipeline = bake_[phases - 1];
+  if (!pipeline)
+    pipeline = gpu::ComputePipeline(device_, {.name = "clouds.grid",
+                                              .spirv = cloud_grid_bake_comp,
+                                              .constants = clouds_.specialisation(phases)});
+  auto clear = graph.pass("clouds.grid_clear");
+  clear.zero("facts", facts).effect();
+  clear.record([](gpu::Commands& cmd) { cmd.zero("facts"); });
+  auto bake = graph.pass("clouds.grid");
+  bake.uniform("frame", frame.buffer)
+      .uniform("light", data)
+      .read_write("facts", facts)
+      .write("out_grid", extinction)
+      .effect();
+  bind_density(bake, density);
+  bake.record([&pipeline, levels](gpu::Commands& cmd) {
+    cmd.bind(pipeline).dispatch_threads(shared::kBoundsTexels, shared::kBoundsTexels, levels);
+  });
+  auto sun = graph.pass("clouds.grid_sun");
+  sun.uniform("frame", frame.buffer)
+      .uniform("light", data)
+      .sample("grid_tex", extinction)
+      .write("out_grid", grid)
+      .effect();
+  sun.record([this, depth = extent.depth](gpu::Commands& cmd) {
+    cmd.bind(sun_).dispatch_threads(shared::kBoundsTexels, shared::kBoundsTexels, depth);
+  });
+}
+
+CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in) {
+  const shared::RegionMap map = region(frame);
+  shared::CloudLightConstants constants{};
+  constants.grid = cloud_bands(clouds_);
+  constants.grid.map = map;
+  constants.ground = in.ground;
+  const shared::LightCells cells = constants.cells = cells_for(frame.extent);
+  const float albedo = clouds_.constants().single_scattering_albedo;
+  constants.forward_share = forward_share_;
+  constants.wide_g = wide_g_;
+  constants.forward_albedo = albedo * forward_share_;
+  constants.wide_albedo = albedo * (1.0f - forward_share_) / (1.0f - constants.forward_albedo);
+  constants.seed = frame.constants.seed;
+  constants.frame_index = frame.constants.frame_index;
+  const BufferRef data = graph.constants("clouds.light_data", constants);
+  if (!facts_) facts_ = device_.create_buffer({.name = "clouds.grid_facts", .size_bytes = sizeof(shared::GridFacts)});
+  const BufferRef facts = graph.import(facts_);
+  const Key key{.camera_ecef_m = frame.camera_ecef_m,
+                .time_s = frame.time_s,
+                .key_dir = frame.constants.key_dir,
+                .forward = frame.constants.forward};
+  if (!filled_ || !(key == key_)) {
+    add_grid(graph, frame, in.density, data, facts, map.levels);
+    key_ = key;
+    filled_ = true;
+  }
+  const ImageRef grid = graph.import(grid_);
+
+  const uint32_t words = cells.nodes.x * cells.nodes.y * cells.slices / 32;
+  const BufferRef marks = graph.create_buffer("clouds.light_marks", uint64_t{words} * 4);
+  const BufferRef work = graph.create_buffer("clouds.light_work", sizeof(shared::LightWork));
+  const BufferRef list = graph.create_buffer("clouds.light_list", uint64_t{words} * 32 * 4);
+  const ImageRef out = graph.create(
+      "clouds.light_cells", {.extent = {cells.nodes.x, cells.nodes.y, cells.slices}, .format = Format::rgba16f});
+  auto clear = graph.pass("clouds.light_clear");
+  clear.zero("marks", marks).zero("work", work).fill("out_cells", out);
+  clear.record([](gpu::Commands& cmd) {
+    cmd.zero("marks").zero("work").fill("out_cells", 0.0f);
+  });
+  auto mark = graph.pass("clouds.light_mark");
+  mark.uniform("frame", frame.buffer)
+      .uniform("light", data)
+      .sample("grid_tex", grid)
+      .sample("depth_m", in.depth_m, Sampler::nearest_clamp)
+      .read_write("marks", marks);
+  mark.record([this, extent = frame.extent, px = cells.stride_px](gpu::Commands& cmd) {
+    cmd.bind(mark_).dispatch_threads((extent.width + px - 1) / px, (extent.height + px - 1) / px);
+  });
+  auto collect = graph.pass("clouds.light_list");
+  collect.uniform("light", data).read("marks", marks).read_write("work", work).write("list", list);
+  collect.record([this, words](gpu::Commands& cmd) { cmd.bind(list_).dispatch_threads(words); });
+  auto gather = graph.pass("clouds.light_gather");
+  gather.uniform("frame", frame.buffer)
+      .uniform("light", data)
+      .uniform("cloud", in.density.constants)
+      .sample("grid_tex", grid)
+      .sample("ground_albedo_tex", in.ground_albedo)
+      .sample("ground_height_tex", in.ground_height)
+      .read("facts", facts)
+      .read("work", work)
+      .read("list", list)
+      .write("out_cells", out);
+  gather.record([this, words](gpu::Commands& cmd) { cmd.bind(gather_).dispatch_threads(words * 32); });
+  return {.data = data, .grid = grid, .cells = out, .beam = graph.import(beam_)};
+}
+
+}  // namespace nepho

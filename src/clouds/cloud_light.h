@@ -1,0 +1,55 @@
+#pragma once
+#include <array>
+
+#include "clouds/cloud_density.h"
+#include "clouds/light_shared.h"
+#include "gpu/pipeline.h"
+
+namespace nepho {
+
+/// The light inside clouds (docs/light.md): a grid of extinction and of optical depth to the key light around the camera, and
+/// cells fanning out from it that hold the light scattered more than once, traced backwards from each cell that is seen.
+class CloudLight {
+ public:
+  /// `clouds` must outlive it.
+  CloudLight(gpu::Device& device, const Clouds& clouds);
+
+  struct Inputs {
+    ImageRef depth_m;  ///< r32f: distance along the pixel's ray to the surface, m
+    CloudDensityRefs density;
+    shared::RegionMap ground{};             ///< of the two images below
+    ImageRef ground_albedo, ground_height;  ///< as terrain/ground_map.glsl reads them
+  };
+  struct Refs {
+    BufferRef data;   ///< shared::CloudLightConstants
+    ImageRef grid;    ///< rg16f, 3D: extinction, 1/m; optical depth to the key light (clouds/cloud_grid.glsl)
+    ImageRef cells;   ///< rgba16f, 3D: shares of key light, sky light and lit ground, 1/sr, times validity; validity
+    ImageRef beam;    ///< rgba32f: shared::kBeamTexels wide (clouds/beam_table.h)
+  };
+  /// Fills grid and cells for a frame. The grid is kept while camera place, light and clock stay.
+  Refs add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in);
+
+  /// Nested maps around what a camera sees of the clouds, for grid and ground.
+  shared::RegionMap region(const FrameInfo& frame) const;
+
+ private:
+  struct Key {
+    glm::dvec3 camera_ecef_m{0.0};
+    double time_s = 0.0;
+    glm::vec3 key_dir{0.0f}, forward{0.0f};
+    bool operator==(const Key&) const = default;
+  };
+  void add_grid(FrameGraph& graph, const FrameInfo& frame, const CloudDensityRefs& density, BufferRef data,
+                BufferRef facts, uint32_t levels);
+  gpu::Device& device_;
+  const Clouds& clouds_;
+  std::array<gpu::ComputePipeline, 2> bake_;  ///< by phases - 1
+  gpu::ComputePipeline sun_, mark_, list_, gather_;
+  gpu::Image extinction_, grid_, beam_;
+  gpu::Buffer facts_;
+  float forward_share_ = 0.0f, wide_g_ = 0.0f;
+  bool filled_ = false;
+  Key key_;
+};
+
+}  // namespace nepho
