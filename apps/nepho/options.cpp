@@ -31,6 +31,7 @@ constexpr Flag kFlags[] = {
     {"--time", "ISO8601", "time"},
     {"--quality", "NAME", "render.quality"},
     {"--coverage", "SHARE", "clouds.coverage"},
+    {"--shafts", "NAME", "shafts.method"},
     {"--weather-seed", "N", "clouds.weather.seed"},
     {"--orders", "N", "atmosphere.scattering_orders"},
     {"--spectral", "NAME", "atmosphere.spectral"},

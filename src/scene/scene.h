@@ -6,6 +6,7 @@
 
 #include "scene/atmosphere_params.h"
 #include "scene/cloud_params.h"
+#include "scene/shaft_params.h"
 
 namespace nepho {
 
@@ -77,6 +78,8 @@ struct Scene {
   AtmosphereParams atmosphere;
   NightSkyParams night_sky;
   CloudParams clouds = cloud_sky("earth").value();
+  ShaftParams shafts;
+  HazeParams haze;
   TerrainParams terrain;
   ImageryParams imagery;
   RenderParams render;

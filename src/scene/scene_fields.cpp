@@ -7,6 +7,7 @@
 #include "scene/atmosphere_fields.h"
 #include "scene/cloud_fields.h"
 #include "scene/field_ranges.h"
+#include "scene/shaft_fields.h"
 
 namespace nepho {
 
@@ -114,10 +115,7 @@ void describe(FieldVisitor& v, ImageryParams& p) {
                  "file",
           .text = TextKind::file},
          &p.files);
-  v.leaf({.name = "bare_albedo",
-          .doc = "albedo of ground that no imagery covers",
-          .range = share(),
-          .term = "albedo"},
+  v.leaf({.name = "bare_albedo", .doc = "albedo of ground that no imagery covers", .range = share(), .term = "albedo"},
          &p.bare_albedo);
 }
 
@@ -132,12 +130,13 @@ void describe(FieldVisitor& v, RenderParams& p) {
           .doc = "frames that are accumulated into the picture; of quality reference paths a pixel",
           .range = closed(1, 16777216)},
          &p.frames);
-  v.leaf({.name = "noise",
-          .doc = "quality reference goes on until 95 % of the pixels have this relative standard error, but for no more "
-                 "than `frames` paths a pixel where frames is above 1; 0: as many paths as frames",
-          .range = closed(0, 1),
-          .term = "relative standard error"},
-         &p.noise);
+  v.leaf(
+      {.name = "noise",
+       .doc = "quality reference goes on until 95 % of the pixels have this relative standard error, but for no more "
+              "than `frames` paths a pixel where frames is above 1; 0: as many paths as frames",
+       .range = closed(0, 1),
+       .term = "relative standard error"},
+      &p.noise);
   v.leaf({.name = "furnace_cd_m2",
           .doc = "quality reference: above 0 an even luminance from all sides, instead of air, sun and ground",
           .unit = "cd/m2",
@@ -252,6 +251,8 @@ void visit_fields(FieldVisitor& v, Scene& scene) {
   v.group({.name = "night_sky", .doc = "what the night sky holds besides the air"},
           [&] { describe(v, scene.night_sky); });
   v.group({.name = "clouds", .doc = "the sky's clouds"}, [&] { describe(v, scene.clouds); });
+  v.group({.name = "shafts", .doc = "light shafts between clouds and ground"}, [&] { describe(v, scene.shafts); });
+  v.group({.name = "haze", .doc = "haze and fog in layers"}, [&] { describe(v, scene.haze); });
   v.group({.name = "terrain", .doc = "the shape of the ground"}, [&] { describe(v, scene.terrain); });
   v.group({.name = "imagery", .doc = "the colours of the ground"}, [&] { describe(v, scene.imagery); });
   v.group({.name = "render", .doc = "the picture"}, [&] { describe(v, scene.render); });

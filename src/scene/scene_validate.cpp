@@ -100,6 +100,15 @@ void check_clouds(const CloudParams& clouds, const Validator& validator) {
     throw validator.wrong("clouds.weather.file", fmt::format("is empty; source {} needs a file", weather.source));
 }
 
+void check_haze(const HazeParams& haze, const Validator& validator) {
+  for (size_t i = 0; i < haze.layers.size(); ++i) {
+    const HazeLayer& layer = haze.layers[i];
+    if (layer.bottom_m && layer.top_m && *layer.top_m <= *layer.bottom_m)
+      throw validator.wrong(fmt::format("haze.layers[{}].top_m", i),
+                            fmt::format("{} is not above bottom_m {}", *layer.top_m, *layer.bottom_m));
+  }
+}
+
 /// Rules between parameters.
 void check_together(const Scene& scene, const Validator& validator) {
   if (scene.camera.height_m && scene.camera.agl_m)
@@ -107,6 +116,7 @@ void check_together(const Scene& scene, const Validator& validator) {
   if (const auto problem = find_problem(scene.atmosphere))
     throw validator.wrong("atmosphere." + problem->member, problem->reason);
   check_clouds(scene.clouds, validator);
+  check_haze(scene.haze, validator);
   if (scene.render.min_ev100 > scene.render.max_ev100)
     throw validator.wrong("render.min_ev100", fmt::format("{} is larger than max_ev100 {}", scene.render.min_ev100,
                                                           scene.render.max_ev100));
