@@ -33,7 +33,7 @@ PYTHON
 }
 
 for name in "${names[@]}"; do
-  for method in lobes octaves; do
+  for method in cells octaves; do
     with_light $method "$root/data/scenes/$name.json" >"$work/scene.json"
     "$nepho" render "$work/scene.json" --quality high "${device[@]}" --aov cloud.transmittance -o "$work/picture.exr"
     "$nepho" compare "$work/picture.exr" "$references/$name.reference.exr" --mask cloud --json "$work/$name.$method.json"
@@ -44,7 +44,7 @@ python3 - "$work" "$page" "${names[@]}" <<'PYTHON'
 import json, pathlib, sys
 work, page, names = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), sys.argv[3:]
 BEGIN, END = "<!-- table: docs/accuracy/make.sh -->", "<!-- end of table -->"
-METHODS = ["lobes", "octaves"]
+METHODS = ["cells", "octaves"]
 MEASURES = [("mean_relative_error", 100, "{:.0f}"), ("bias", 100, "{:+.0f}"), ("psnr_db", 1, "{:.1f}"),
             ("ssim", 1, "{:.2f}"), ("flip", 1, "{:.2f}")]
 

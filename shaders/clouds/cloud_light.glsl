@@ -1,48 +1,51 @@
-// Light inside the clouds: optical depth towards the sun, and the source terms of the march (docs/clouds.md, 'Light').
+// Light on its way into the clouds: optical depth towards the key light, and what of its beam reaches the eye by one scattering
+// that turns it, after any number that hardly do (docs/light.md).
 #ifndef NEPHO_CLOUD_LIGHT_GLSL
 #define NEPHO_CLOUD_LIGHT_GLSL
 #include "clouds/cloud_density.glsl"
+#include "clouds/cloud_grid.glsl"
 
-// Optical depth from a point of layer l towards the sun by taps at growing distances, the far ones coarse. Slow fields are
-// those of the point itself: the taps reach about two kilometres (further in layers of larger cells).
-const int kSunTaps = 4;
-const float kSunGrowth = 2.7;
+// Near the point the density itself is asked, at distances that grow; from there on the grid knows. Slow fields are those of
+// the point.
+const int kSunTaps = 5;
+const float kSunGrowth = 1.8;
+const float kFirstTap_m = 16.0;
 
 float cloud_sun_depth(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_m, float log2_footprint) {
   vec3 sun = frame.frame_data.key_dir;
   float climb = dot(up, sun);
-  float size = sqrt(CLOUD.layers[l].cell_size_m / 2500.0);
-  float depth = 0.0, from_m = 0.0, length_m = max(48.0 * size, 0.4 * exp2(log2_footprint));
-  // The way out of the layer, so that the last stretch counts as far as it is inside: whole ones would show as rings.
-  float rise_m = clamp(height_m - c.base_m, 0.0, CLOUD.layers[l].thickness_m);
-  float out_m = (climb > 0.0 ? CLOUD.layers[l].thickness_m - rise_m : rise_m) / max(abs(climb), 1.0e-3);
+  float depth = 0.0, from_m = 0.0, length_m = max(kFirstTap_m, 0.4 * exp2(log2_footprint));
   for (int i = 0; i < kSunTaps; ++i) {
-    float inside_m = min(length_m, out_m - from_m);
-    if (inside_m <= 0.0) break;
-    float sigma_per_m;
+    float d = from_m + 0.5 * length_m;
+    float h = height_m + climb * d;
+    float sigma_per_m = 0.0;
     if (CLOUD.uniform_density > 0.0) {
-      sigma_per_m = CLOUD.uniform_density * CLOUD.layers[l].extinction_per_m;
+      float eta = cloud_eta(l, c, h);
+      // The part of the stretch that is inside.
+      float rise = climb * length_m / CLOUD.layers[l].thickness_m, eta0 = eta - 0.5 * rise, eta1 = eta + 0.5 * rise;
+      float inside = clamp(max(eta0, eta1), 0.0, 1.0) - clamp(min(eta0, eta1), 0.0, 1.0);
+      float share = abs(rise) > 1.0e-6 ? inside / abs(rise) : (eta >= 0.0 && eta < 1.0 ? 1.0 : 0.0);
+      sigma_per_m = share * CLOUD.uniform_density * CLOUD.layers[l].extinction_per_m;
     } else {
-      float d = from_m + 0.5 * inside_m;
-      float h = height_m + climb * d;
-      float eta = clamp(cloud_eta(l, c, h), 0.0, 0.9999);
-      vec3 p = p_cam + sun * d;
-      float log2_tap = max(log2_footprint, log2(0.5 * length_m));
-      float unknown = c.unknown;
-      float level = cloud_cell_level(l, c, p, up, h, eta, log2_tap, unknown);
-      level += cloud_shape_level(l, c, CloudChurn(vec3(0.0), vec3(0.0), vec3(0.0)), p, eta, log2_tap, unknown);
-      sigma_per_m = cloud_medium(l, c.density, level, unknown, 0.05, eta, exp2(log2_tap)).sigma_per_m;
+      sigma_per_m = cloud_medium_at(l, c, p_cam + sun * d, up, h, max(log2_footprint, log2(0.4 * length_m))).sigma_per_m;
     }
-    depth += sigma_per_m * inside_m;
+    depth += sigma_per_m * length_m;
     from_m += length_m;
     length_m *= kSunGrowth;
   }
-  return depth;
+  return depth + grid_sun_depth(light_data.data.grid, p_cam + sun * from_m, sun);
 }
 
-// Scattering orders beyond the first, as two wide lobes whose extinction is scaled along the view ray (view) and towards
-// the sun (sun): light that was scattered forward is not lost. Chosen against the slab table of docs/clouds.md.
-struct CloudOctave { float gain, view, sun, lobe; };
-const CloudOctave kOctaves[2] = CloudOctave[2](CloudOctave(2.1, 0.45, 0.26, 0.312), CloudOctave(2.7, 0.20, 0.065, 0.097));
+// Sum over the orders k of exp(-tau) (a tau)^k / k! beam[k], where a is the share of extinction that goes straight on; what is
+// left of the light beyond the last order goes with it.
+float beam_sum(vec4 beam0, vec4 beam1, float forward_albedo, float tau) {
+  float x = forward_albedo * tau, term = exp(-tau), rest = exp(-(1.0 - forward_albedo) * tau), sum = 0.0;
+  for (int k = 0; k < 8; ++k) {
+    sum += term * (k < 4 ? beam0[k] : beam1[k - 4]);
+    rest -= term;
+    term *= x / float(k + 1);
+  }
+  return sum + max(rest, 0.0) * beam1[3];
+}
 
 #endif

@@ -6,9 +6,17 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
 #define CLOUD_BINDING 1
-#include "clouds/cloud_light.glsl"
+#include "clouds/cloud_density.glsl"
+#include "clouds/light_shared.h"
 #include "clouds/octaves.h"
-layout(constant_id = 5) const bool OCTAVES = false;  // multiple scattering by octave_sum() instead of two wide lobes
+layout(constant_id = 5) const bool OCTAVES = false;  // multiple scattering by octave_sum() instead of traced light
+layout(set = 0, binding = 24) uniform sampler3D grid_tex;
+layout(set = 0, binding = 25) uniform sampler3D cells_tex;  // of light_gather.comp
+layout(set = 0, binding = 26) uniform sampler2D beam_tex;
+layout(scalar, set = 0, binding = 27) uniform LightBlock { CloudLightConstants data; } light_data;
+#include "clouds/cloud_grid.glsl"
+#include "clouds/light_cells.glsl"
+#include "clouds/cloud_light.glsl"
 layout(set = 0, binding = 20, r32f) uniform readonly image2D depth_m;
 layout(set = 0, binding = 21, rgba32f) uniform writeonly image2D out_light;
 layout(set = 0, binding = 22, rgba32f) uniform writeonly image2D out_info;
@@ -97,12 +105,12 @@ void main() {
   int steps = 0, samples = 0;  // samples: evaluations of a layer's density, for eye and sun
   if (hull_span(dir, imageLoad(depth_m, pixel).r, span, gap, entry_f_m2)) {
     float cos_sun = dot(dir, sun);
-    float phase = phase_dual_hg(cos_sun, CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight);
-    vec2 lobes = vec2(0.0);
-    for (int n = 0; n < 2; ++n) lobes[n] = kOctaves[n].gain * phase_hg(cos_sun, CLOUD.phase_g_forward * kOctaves[n].lobe);
     float albedo = CLOUD.single_scattering_albedo;
-    phase *= albedo;
-    lobes *= vec2(albedo * albedo, albedo * albedo * albedo * albedo);
+    // Rows of the beam table for this ray's angle to the light.
+    float beam_u = (sqrt(acos(clamp(cos_sun, -1.0, 1.0)) / kPi) * float(kBeamTexels - 1u) + 0.5) / float(kBeamTexels);
+    vec4 beam0 = textureLod(beam_tex, vec2(beam_u, 0.25), 0.0), beam1 = textureLod(beam_tex, vec2(beam_u, 0.75), 0.0);
+    float light_from = light_entry(planet, light_data.data.grid, dir);
+    vec3 last_cell = vec3(0.0);
 
     vec3 scaled_dir = scaled_from_cam(planet, dir);
     vec3 entry_q = planet.camera_q_m + scaled_dir * span.x;
@@ -137,7 +145,7 @@ void main() {
     float pending_seen = 0.0, last_seen = 0.0;
     int lights = 0;
     float light_share = mix(kLightShare, 0.45, coarse);
-    vec3 wide = vec3(0.0);  // optical depths so far of the two wide lobes and of sky light
+    float wide = 0.0;  // OCTAVES: optical depth so far as light of the sky knows it
     float cap = 1.0e9, shortest = 36.0;  // of the layer at hand: a share of the way through it, its shortest step
     float column_m = kColumn_m;
     uint main_layer = 0u;
@@ -327,23 +335,9 @@ void main() {
           step_m = min(min(step_m, (s < gap_s.x ? min(end, gap_s.x) : end) - s), (kDeepest - tau) / sigma + 0.01);
           float d_tau = sigma * step_m;
           float w = transmittance * (1.0 - exp(-d_tau));
-          // Deep in a cloud light comes from all around; at its rim from one side.
-          float fill = mix(mix(0.5, 1.0, clamp(level_here * 1.8, 0.0, 1.0)), 0.85, unresolved);
-          // Scaled by `view` inside a clump; a clump as a whole hides what lies behind for every order alike.
-          vec3 scale = vec3(kOctaves[0].view, kOctaves[1].view, kSkyView);
-          float x = max(clump_depth, 0.02);
-          vec3 d_wide = d_tau * (1.0 - exp(-scale * x)) / (1.0 - exp(-x));
-          vec3 w_wide = exp(-wide) * (1.0 - exp(-d_wide));
-          wide += d_wide;
-          // Sunlight waits for its shadow: what this stretch sends, by how fast each part fades with the depth to the sun.
-          vec3 sent = vec3(w * phase, w_wide.xy * lobes * fill);
-          float seen = w + 0.5 * (w_wide.x + w_wide.y);
-          if (OCTAVES) {
-            sent = vec3(w * albedo, 0.0, 0.0);
-            seen = w;
-          }
-          pending += vec4(at * seen, sent);
-          pending_seen += seen;
+          // Sunlight waits for its shadow; light that was scattered before is in the cells.
+          pending += vec4(at * w, w * albedo, 0.0, 0.0);
+          pending_seen += w;
           lit = column;
           if (pending_seen > light_share && lights < kMaxLights) {
             sources[lights] = vec4(pending.x / pending_seen, pending.yzw);
@@ -354,9 +348,20 @@ void main() {
             pending = vec4(0.0);
             pending_seen = 0.0;
           }
-          float w_sky = w_wide.z * albedo;
-          float h = clamp(eta_here, 0.0, 1.0);
-          light += vec3(0.0, w_sky * mix(0.16, 0.55, h) / kPi, w_sky * mix(0.45, 0.1, h) / kPi);
+          if (OCTAVES) {
+            // Inside a clump light of the sky and the ground fades slower than the view.
+            float x = max(clump_depth, 0.02);
+            float d_wide = d_tau * (1.0 - exp(-kSkyView * x)) / (1.0 - exp(-x));
+            float w_sky = exp(-wide) * (1.0 - exp(-d_wide)) * albedo;
+            wide += d_wide;
+            float h = clamp(eta_here, 0.0, 1.0);
+            light += vec3(0.0, w_sky * mix(0.16, 0.55, h) / kPi, w_sky * mix(0.45, 0.1, h) / kPi);
+          } else {
+            float slice = light_slice(light_data.data.cells, at - light_from) / float(light_data.data.cells.slices);
+            vec4 cell = textureLod(cells_tex, vec3((vec2(pixel) + 0.5) / vec2(frame.frame_data.size), slice), 0.0);
+            if (cell.a > 0.02) last_cell = cell.rgb / cell.a;
+            light += (w * albedo) * last_cell;
+          }
           depth_sum += w * at;
           weight_sum += w;
           layer_weight += sigmas * (w / sigma);
@@ -400,7 +405,7 @@ void main() {
       float footprint_m = max(pixel_angle * at, 0.08 * max(at * 0.013, 27.0));
       float sun_depth = cloud_sun_depth(source_layers[i], columns[i], dir * at, sq * inv, height_m, log2(footprint_m));
       if (OCTAVES) light.x += sources[i].y * octave_sum(cos_sun, CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight, sun_depth);
-      else light.x += dot(sources[i].yzw, exp(-sun_depth * vec3(1.0, kOctaves[0].sun, kOctaves[1].sun)));
+      else light.x += sources[i].y * beam_sum(beam0, beam1, light_data.data.forward_albedo, sun_depth);
     }
     if (transmittance < kOpaque) transmittance = 0.0;
   }

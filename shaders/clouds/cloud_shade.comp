@@ -6,7 +6,7 @@
 #include "common/gamut.h"
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
-layout(set = 0, binding = 1) uniform sampler2D light_tex;  // shares of key light, sky light, ground light (1/sr); transmittance
+layout(set = 0, binding = 1) uniform sampler2D light_tex;  // shares of key light, sky light, lit ground (1/sr); transmittance
 layout(set = 0, binding = 2) uniform sampler2D info_tex;   // x: mean depth, m; z: layer, 0 without clouds
 layout(set = 0, binding = 3, rgba32f) uniform writeonly image2D out_radiance;
 #define ATMOSPHERE_BINDING 8
@@ -15,6 +15,7 @@ layout(push_constant, scalar) uniform PushBlock {
   float ground_albedo;
   float coverage;
   float sky_light_scale, ground_bounce_scale;
+  uint traced;  // the ground's share is of a ground whose albedo and shadow are in it
 } push;
 
 void main() {
@@ -32,7 +33,7 @@ void main() {
     float height_m = geodetic_height(f.planet, p);
     vec3 key_lux = key_illuminance(f, height_m, mu_key);
     vec3 sky_lux = sky_illuminance(f, height_m, up) + f.night_illuminance;
-    vec3 ground_lux = push.ground_albedo * (key_lux * max(mu_key, 0.0) * (1.0 - 0.7 * push.coverage) + sky_lux);
+    vec3 ground_lux = push.traced != 0u ? key_illuminance(f, 0.0, mu_key) * max(mu_key, 0.0) : push.ground_albedo * (key_lux * max(mu_key, 0.0) * (1.0 - 0.7 * push.coverage) + sky_lux);
     radiance = light.x * key_lux + light.y * push.sky_light_scale * sky_lux + light.z * push.ground_bounce_scale * ground_lux;
     vec3 air_transmittance;
     vec3 air = aerial_perspective(f, dir, info.x, 0.0, air_transmittance);

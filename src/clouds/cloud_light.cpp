@@ -45,17 +45,36 @@ CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds)
       mark_(device, {.name = "clouds.light_mark", .spirv = light_mark_comp}),
       list_(device, {.name = "clouds.light_list", .spirv = light_list_comp}),
       gather_(device, {.name = "clouds.light_gather", .spirv = light_gather_comp}) {
-  const auto phase = cloud_phase(clouds.params());
+  beam_ = device.create_image({.name = "clouds.beam",
+                               .extent = {shared::kBeamTexels, shared::kBeamOrders / 4},
+                               .format = Format::rgba32f});
+  no_albedo_ = device.create_image({.name = "clouds.no_albedo", .extent = {2, 2}, .format = Format::rgba16f, .layers = 2});
+  no_height_ = device.create_image({.name = "clouds.no_height", .extent = {2, 2}, .format = Format::r32f, .layers = 2});
+  const std::vector<std::byte> zeros(64);
+  std::vector<gpu::ImageUpload> uploads;
+  for (uint32_t layer = 0; layer < 2; ++layer) {
+    uploads.push_back({.image = &no_albedo_, .bytes = std::span(zeros).first(32), .layer = layer});
+    uploads.push_back({.image = &no_height_, .bytes = std::span(zeros).first(16), .layer = layer});
+  }
+  none_ = device.create_image({.name = "clouds.no_light", .extent = {1, 1, 2}, .format = Format::rgba16f});
+  uploads.push_back({.image = &none_, .bytes = std::span(zeros).first(16)});
+  device.upload(uploads);
+  renew(clouds.params());
+}
+
+void CloudLight::renew(const CloudParams& params) {
+  filled_ = false;
+  traced_ = params.multiple_scattering != "octaves";
+  const double extinction_per_m = params.scattering_per_m + params.absorption_per_m;
+  albedo_ = extinction_per_m > 0.0 ? static_cast<float>(params.scattering_per_m / extinction_per_m) : 1.0f;
+  const auto phase = cloud_phase(params);
   const std::vector<double> moments = phase_moments(phase, 3);
   const PhaseCut cut = cut_phase(moments[1], moments[2]);
   forward_share_ = static_cast<float>(cut.forward_share);
   wide_g_ = static_cast<float>(cut.wide_g);
   const std::vector<float> table = beam_table(phase, cut, shared::kBeamTexels, shared::kBeamOrders);
-  beam_ = device.create_image({.name = "clouds.beam",
-                               .extent = {shared::kBeamTexels, shared::kBeamOrders / 4},
-                               .format = Format::rgba32f});
   const gpu::ImageUpload upload{.image = &beam_, .bytes = std::as_bytes(std::span(table))};
-  device.upload({&upload, 1});
+  device_.upload({&upload, 1});
 }
 
 shared::RegionMap CloudLight::region(const FrameInfo& frame) const {
@@ -113,8 +132,12 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
   constants.grid = cloud_bands(clouds_);
   constants.grid.map = map;
   constants.ground = in.ground;
+  if (!in.ground_albedo) {
+    constants.ground = map;
+    constants.ground.levels = 2;
+  }
   const shared::LightCells cells = constants.cells = cells_for(frame.extent);
-  const float albedo = clouds_.constants().single_scattering_albedo;
+  const float albedo = albedo_;
   constants.forward_share = forward_share_;
   constants.wide_g = wide_g_;
   constants.forward_albedo = albedo * forward_share_;
@@ -128,6 +151,10 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
                 .time_s = frame.time_s,
                 .key_dir = frame.constants.key_dir,
                 .forward = frame.constants.forward};
+  if (!traced_) {  // bound, never read
+    const ImageRef none = graph.import(none_);
+    return {.data = data, .grid = none, .cells = none, .beam = graph.import(beam_)};
+  }
   if (!filled_ || !(key == key_)) {
     add_grid(graph, frame, in.density, data, facts, map.levels);
     key_ = key;
@@ -163,8 +190,8 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
       .uniform("light", data)
       .uniform("cloud", in.density.constants)
       .sample("grid_tex", grid)
-      .sample("ground_albedo_tex", in.ground_albedo)
-      .sample("ground_height_tex", in.ground_height)
+      .sample("ground_albedo_tex", in.ground_albedo ? in.ground_albedo : graph.import(no_albedo_))
+      .sample("ground_height_tex", in.ground_height ? in.ground_height : graph.import(no_height_))
       .read("facts", facts)
       .read("work", work)
       .read("list", list)

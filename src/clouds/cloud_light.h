@@ -18,7 +18,7 @@ class CloudLight {
     ImageRef depth_m;  ///< r32f: distance along the pixel's ray to the surface, m
     CloudDensityRefs density;
     shared::RegionMap ground{};             ///< of the two images below
-    ImageRef ground_albedo, ground_height;  ///< as terrain/ground_map.glsl reads them
+    ImageRef ground_albedo, ground_height;  ///< as terrain/ground_map.glsl reads them; without: a black ellipsoid
   };
   struct Refs {
     BufferRef data;   ///< shared::CloudLightConstants
@@ -28,6 +28,9 @@ class CloudLight {
   };
   /// Fills grid and cells for a frame. The grid is kept while camera place, light and clock stay.
   Refs add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in);
+
+  /// Tells that what add() was given before has changed: other parameters, which may differ from the clouds' own.
+  void renew(const CloudParams& params);
 
   /// Nested maps around what a camera sees of the clouds, for grid and ground.
   shared::RegionMap region(const FrameInfo& frame) const;
@@ -45,9 +48,10 @@ class CloudLight {
   const Clouds& clouds_;
   std::array<gpu::ComputePipeline, 2> bake_;  ///< by phases - 1
   gpu::ComputePipeline sun_, mark_, list_, gather_;
-  gpu::Image extinction_, grid_, beam_;
+  gpu::Image extinction_, grid_, beam_, no_albedo_, no_height_, none_;
   gpu::Buffer facts_;
-  float forward_share_ = 0.0f, wide_g_ = 0.0f;
+  float forward_share_ = 0.0f, wide_g_ = 0.0f, albedo_ = 1.0f;
+  bool traced_ = true;  ///< false: octaves
   bool filled_ = false;
   Key key_;
 };

@@ -10,6 +10,7 @@ namespace nepho {
 namespace {
 struct ShadePush {
   float ground_albedo, coverage, sky_light_scale, ground_bounce_scale;
+  uint32_t traced;
 };
 /// Share of the sky that is covered, for the light that reaches the ground between clouds.
 constexpr double kTypicalCoverage = 0.4;
@@ -30,13 +31,18 @@ const gpu::ComputePipeline& CloudMarchPass::march_pipeline(uint32_t phases) cons
 }
 
 CloudMarchPass::Marched CloudMarchPass::add_march(FrameGraph& graph, const FrameInfo& frame, ImageRef depth_m,
-                                                  const CloudDensityRefs& density) const {
+                                                  const CloudDensityRefs& density,
+                                                  const CloudLight::Refs& light) const {
   const Marched out{.light = graph.create("clouds.light", {.extent = frame.extent, .format = Format::rgba32f}),
                     .info = graph.create("clouds.info", {.extent = frame.extent, .format = Format::rgba32f})};
   FrameGraph::PassBuilder pass = graph.pass("clouds.march");
   pass.uniform("frame", frame.buffer)
       .read("depth_m", depth_m)
-      .sample("cloud_blue", density.noise.blue, Sampler::nearest_clamp);
+      .sample("cloud_blue", density.noise.blue, Sampler::nearest_clamp)
+      .uniform("light_data", light.data)
+      .sample("grid_tex", light.grid)
+      .sample("cells_tex", light.cells)
+      .sample("beam_tex", light.beam);
   bind_density(pass, density);
   const gpu::ComputePipeline& pipeline = march_pipeline(clouds_.phases_at(frame.time_s));
   pass.write("out_light", out.light)
@@ -60,7 +66,7 @@ CloudMarchPass::Outputs CloudMarchPass::add(FrameGraph& graph, const FrameInfo& 
         });
     return {.radiance = radiance, .info = info};
   }
-  const Marched marched = add_march(graph, frame, in.depth_m, in.density);
+  const Marched marched = add_march(graph, frame, in.depth_m, in.density, in.light);
   FrameGraph::PassBuilder shade = graph.pass("clouds.shade");
   shade.uniform("frame", frame.buffer)
       .sample("light_tex", marched.light, Sampler::nearest_clamp)
@@ -68,7 +74,8 @@ CloudMarchPass::Outputs CloudMarchPass::add(FrameGraph& graph, const FrameInfo& 
       .write("out_radiance", radiance);
   AtmosphereTables::bind(shade, in.atmosphere);
   const ShadePush push{kGroundAlbedo, static_cast<float>(params.coverage.value_or(kTypicalCoverage)),
-                       static_cast<float>(params.sky_light_scale), static_cast<float>(params.ground_bounce_scale)};
+                       static_cast<float>(params.sky_light_scale), static_cast<float>(params.ground_bounce_scale),
+                       params.multiple_scattering == "octaves" ? 0u : 1u};
   shade.record([this, push, extent = frame.extent](gpu::Commands& cmd) {
     cmd.bind(shade_).push(push).dispatch_threads(extent.width, extent.height);
   });

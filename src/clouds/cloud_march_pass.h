@@ -4,6 +4,7 @@
 
 #include "atmosphere/atmosphere_tables.h"
 #include "clouds/cloud_density.h"
+#include "clouds/cloud_light.h"
 #include "gpu/pipeline.h"
 
 namespace nepho {
@@ -17,6 +18,7 @@ class CloudMarchPass {
     ImageRef depth_m;  ///< r32f: distance along the pixel's ray to the surface, m; 1e10 for none
     AtmosphereTables::Refs atmosphere;
     CloudDensityRefs density;  ///< import_cloud_density()
+    CloudLight::Refs light;    ///< of this frame
   };
   struct Outputs {
     /// rgba32f: luminance of the clouds at the camera, cd/m2, premultiplied and with its aerial perspective;
@@ -37,7 +39,8 @@ class CloudMarchPass {
     ImageRef info;   ///< as Outputs::info
   };
   /// There must be something to draw.
-  Marched add_march(FrameGraph& graph, const FrameInfo& frame, ImageRef depth_m, const CloudDensityRefs& density) const;
+  Marched add_march(FrameGraph& graph, const FrameInfo& frame, ImageRef depth_m, const CloudDensityRefs& density,
+                    const CloudLight::Refs& light) const;
 
  private:
   const gpu::ComputePipeline& march_pipeline(uint32_t phases) const;

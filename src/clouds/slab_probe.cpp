@@ -169,6 +169,7 @@ struct MarchedSlabs::Parts {
       : device(gpu_device),
         face_px(px),
         clouds(device, params),
+        light{CloudLight(device, clouds), CloudLight(device, clouds)},
         march(device, clouds, kSpectralGroups),
         executor(device) {
     for (const SlabDirection& d : slab_directions()) directions.push_back(view_of(device, window_of(d), d.up));
@@ -190,6 +191,7 @@ struct MarchedSlabs::Parts {
   gpu::Device& device;
   uint32_t face_px;
   Clouds clouds;
+  CloudLight light[2];  ///< of the cameras below and above
   CloudMarchPass march;
   gpu::GraphExecutor executor;
   std::vector<View> directions;
@@ -209,6 +211,9 @@ SlabLight MarchedSlabs::Parts::solve(const Slab& slab) {
   const CloudNoise::Refs noise = clouds.noise().import_into(graph);
   CloudDensityRefs density[2];
   for (const bool above : {false, true}) {
+    CloudParams params = slab_clouds(slab);
+    params.multiple_scattering = clouds.params().multiple_scattering;
+    light[above].renew(params);
     shared::CloudConstants constants = slab_constants(clouds, slab);
     constants.anchor = clouds.anchor(camera_ecef(above), 0.0);
     density[above] = {.constants = graph.constants("clouds.constants", constants), .weather = weather, .noise = noise};
@@ -222,7 +227,9 @@ SlabLight MarchedSlabs::Parts::solve(const Slab& slab) {
     frame.constants.sun_dir = frame.constants.key_dir = sun_dir;
     frame.camera_ecef_m = camera_ecef(view->above);
     frame.buffer = graph.constants("frame", frame.constants);
-    lights.push_back(march.add_march(graph, frame, graph.import(view->depth_m), density[view->above]).light);
+    const ImageRef depth_m = graph.import(view->depth_m);
+    const CloudLight::Refs traced = light[view->above].add(graph, frame, {.depth_m = depth_m, .density = density[view->above]});
+    lights.push_back(march.add_march(graph, frame, depth_m, density[view->above], traced).light);
     graph.keep(lights.back());
   }
   executor.run(graph);

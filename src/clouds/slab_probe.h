@@ -64,7 +64,7 @@ class MarchedSlabs : public SlabSolver {
  public:
   /// `multiple_scattering`: as CloudParams::multiple_scattering. `face_px`: pixels along a cube face of those pictures,
   /// a multiple of 8; 0: as many as each slab needs.
-  explicit MarchedSlabs(gpu::Device& device, const std::string& multiple_scattering = "lobes", uint32_t face_px = 0);
+  explicit MarchedSlabs(gpu::Device& device, const std::string& multiple_scattering = "cells", uint32_t face_px = 0);
   ~MarchedSlabs() override;
   std::vector<SlabLight> solve(std::span<const Slab> slabs) override;
 

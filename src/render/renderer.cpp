@@ -176,8 +176,17 @@ RenderResult Renderer::render(const RenderRequest& request) {
     out.background = p.background.add(graph, frame, scene_.atmosphere, background);
     out.radiance = out.background;
     if (p.clouds) {
+      p.clouds->ground.update(p.terrain.heights(), p.terrain.imagery(), p.clouds->light.region(frame));
+      const GroundMap::Refs ground = p.clouds->ground.import_into(graph);
+      const CloudLight::Refs light = p.clouds->light.add(graph, frame,
+                                                         {.depth_m = out.terrain.depth_m,
+                                                          .density = density,
+                                                          .ground = p.clouds->ground.map(),
+                                                          .ground_albedo = ground.albedo,
+                                                          .ground_height = ground.height_m});
       const CloudMarchPass::Outputs marched = p.clouds->march.add(
-          graph, frame, {.depth_m = out.terrain.depth_m, .atmosphere = atmosphere, .density = density});
+          graph, frame,
+          {.depth_m = out.terrain.depth_m, .atmosphere = atmosphere, .density = density, .light = light});
       out.cloud = marched.radiance;
       out.cloud_info = marched.info;
       out.radiance = p.composite.add(graph, frame, out.background, out.cloud);

@@ -13,6 +13,7 @@
 #include "render/night_sky.h"
 #include "render/reference_tracer.h"
 #include "render/renderer.h"
+#include "terrain/ground_map.h"
 #include "terrain/terrain.h"
 
 namespace nepho {
@@ -25,10 +26,14 @@ struct Renderer::Parts {
   struct CloudParts {
     CloudParts(gpu::Device& device, const CloudParams& params, const WeatherSources& sources, uint32_t spectral_groups)
         : clouds(device, params, sources),
+          light(device, clouds),
+          ground(device),
           march(device, clouds, spectral_groups),
           shadow(device, clouds),
           debug(device, clouds) {}
     Clouds clouds;
+    CloudLight light;
+    GroundMap ground;
     CloudMarchPass march;
     GroundShadowPass shadow;
     DebugViewPass debug;

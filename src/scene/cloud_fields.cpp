@@ -351,10 +351,10 @@ void describe_light(FieldVisitor& v, CloudParams& p) {
   v.leaf(
       {.name = "multiple_scattering",
        .doc =
-           "light scattered more than once, but for quality reference: lobes, two wide ones with thickness; octaves, "
+           "light scattered more than once, but for quality reference: cells, that fan out from the camera and hold traced light; octaves, "
            "eight copies of single scattering with factors 0.5, for comparison",
        .term = "octaves: multiple scattering approximation (Wrenninge 2013)",
-       .choices = {"lobes", "octaves"}},
+       .choices = {"cells", "octaves"}},
       &p.multiple_scattering);
   v.leaf({.name = "sky_light_scale",
           .doc = "times the light that the sky throws on clouds; 1 is physical",

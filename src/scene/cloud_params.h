@@ -96,8 +96,8 @@ struct CloudParams {
   double phase_g_forward = 0.85;       ///< forward Henyey-Greenstein lobe, (-1, 1)
   double phase_g_backward = -0.2;      ///< backward lobe
   double phase_backward_weight = 0.1;  ///< 0..1
-  /// Light scattered more than once, in all qualities but reference: lobes; octaves, as other renderers have it.
-  std::string multiple_scattering = "lobes";
+  /// Light scattered more than once, in all qualities but reference: cells; octaves, as other renderers have it.
+  std::string multiple_scattering = "cells";
   double sky_light_scale = 1.0;      ///< times the light that the sky throws on clouds, 0..10
   double ground_bounce_scale = 1.0;  ///< times the light that the ground throws back, 0..10
   double uniform_density = 0.0;      ///< > 0: the first layer is an even slab of this density; tests of the march

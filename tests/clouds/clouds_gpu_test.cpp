@@ -65,7 +65,8 @@ struct CloudFixture : GpuFixture {
   }
 
   /// Renders; the surface is the ellipsoid, where the ray meets it.
-  Picture render(const View& v, const Clouds& clouds, const CloudMarchPass& march) {
+  /// Without `lit` light that was scattered more than once is left out: it does not touch transmittances.
+  Picture render(const View& v, const Clouds& clouds, const CloudMarchPass& march, bool lit = false) {
     FrameGraph graph;
     const FrameInfo frame = frame_of(graph, v);
     std::vector<float> depth(size_t{v.size.width} * v.size.height);
@@ -80,9 +81,17 @@ struct CloudFixture : GpuFixture {
     gpu::Image depth_image = device.create_image({.name = "depth", .extent = v.size, .format = Format::r32f});
     const gpu::ImageUpload upload{.image = &depth_image, .bytes = std::as_bytes(std::span(depth))};
     device.upload({&upload, 1});
-    const CloudMarchPass::Inputs in{.depth_m = graph.import(depth_image),
-                                    .atmosphere = atmosphere.add(graph, {}),
-                                    .density = import_cloud_density(graph, frame, clouds)};
+    CloudLight light(device, clouds);
+    if (!lit) {
+      CloudParams unlit = clouds.params();
+      unlit.multiple_scattering = "octaves";
+      light.renew(unlit);
+    }
+    CloudMarchPass::Inputs in{.depth_m = graph.import(depth_image),
+                              .atmosphere = atmosphere.add(graph, {}),
+                              .density = import_cloud_density(graph, frame, clouds),
+                              .light = {}};
+    in.light = light.add(graph, frame, {.depth_m = in.depth_m, .density = in.density});
     const CloudMarchPass::Outputs out = march.add(graph, frame, in);
     graph.keep(out.radiance);
     graph.keep(out.info);
@@ -99,8 +108,11 @@ struct CloudFixture : GpuFixture {
     gpu::Image depth_image = device.create_image({.name = "depth", .extent = v.size, .format = Format::r32f});
     const gpu::ImageUpload upload{.image = &depth_image, .bytes = std::as_bytes(std::span(depth))};
     device.upload({&upload, 1});
+    CloudLight light(device, clouds);
+    const ImageRef depth_m = graph.import(depth_image);
+    const CloudDensityRefs density = import_cloud_density(graph, frame, clouds);
     const auto out =
-        march.add_march(graph, frame, graph.import(depth_image), import_cloud_density(graph, frame, clouds));
+        march.add_march(graph, frame, depth_m, density, light.add(graph, frame, {.depth_m = depth_m, .density = density}));
     graph.keep(out.light);
     executor.run(graph);
     const std::vector<float> light = executor.read<float>(out.light);
@@ -159,22 +171,22 @@ std::vector<CloudProbe::Case> square(double lat_deg, double lon_deg, double foot
   return cases;
 }
 
-TEST_CASE("gpu: with octaves a slab sends the octave sum integrated over depth; sky and ground light stay") {
+TEST_CASE("gpu: with octaves a slab sends the octave sum integrated over depth; the transmittance stays") {
   CloudFixture f;
   for (const double tau : {0.5, 4.0, 20.0}) {
     CAPTURE(tau);
     CloudParams params = uniform_slab(tau / 1000.0);
     params.layers[0].thickness_m = 1000.0;
     const View v{.height_m = 5e3, .pitch_deg = -90.0, .fov_deg = 1.0, .sun_elevation_deg = 60.0, .size = {8, 8}};
-    const glm::vec4 lobes = f.marched(v, params);
+    const glm::vec4 cells = f.marched(v, params);
     params.multiple_scattering = "octaves";
     const glm::vec4 octaves = f.marched(v, params);
     // Four looks at the sun a ray stand for all depths: 3 % off at the deepest.
     CAPTURE(octaves.x);
     const double expected = octaves_from_above(params, tau, std::sin(rad_from_deg(60.0)));
     CHECK(std::abs(static_cast<double>(octaves.x) / expected - 1.0) < 0.05);
-    CHECK(std::abs(octaves.x / lobes.x - 1.0f) > 0.1f);
-    CHECK(glm::vec3(octaves.y, octaves.z, octaves.w) == glm::vec3(lobes.y, lobes.z, lobes.w));
+    CHECK(std::abs(octaves.x / cells.x - 1.0f) > 0.1f);
+    CHECK(octaves.w == cells.w);
   }
 }
 
@@ -320,7 +332,7 @@ TEST_CASE("gpu: pictures are finite, transmittances within 0..1, and the same tw
        {View{}, View{.height_m = 1900.0, .pitch_deg = 0.0}, View{.height_m = 4000.0, .pitch_deg = -8.0},
         View{.height_m = 400e3, .pitch_deg = -60.0}, View{.height_m = 35786e3, .pitch_deg = -90.0, .fov_deg = 18.0},
         View{.pitch_deg = 10.0, .sun_elevation_deg = -4.0}}) {
-    const Picture a = f.render(v, clouds, march), b = f.render(v, clouds, march);
+    const Picture a = f.render(v, clouds, march, true), b = f.render(v, clouds, march, true);
     CHECK(a.radiance == b.radiance);
     CHECK(a.info == b.info);
     bool fine = true, cloudy = false;
