@@ -1,0 +1,217 @@
+#include <chrono>
+#include <cstdio>
+
+#include "clouds/cloud_test_tools.h"
+#include "clouds/shadow_map.h"
+#include "clouds/shadow_map_test.comp.h"
+#include "geo/planet_view.h"
+#include "gpu/commands.h"
+
+namespace nepho {
+namespace {
+using namespace test;
+
+struct View {
+  double lat_deg = 34.9, lon_deg = 138.1, height_m = 1700.0, heading_deg = 0.0, pitch_deg = -2.0, fov_deg = 45.0;
+  double sun_elevation_deg = 60.0, sun_azimuth_deg = 140.0;
+  uint32_t width = 256, height = 144;
+  double east_m = 0.0, north_m = 0.0;  ///< camera moved so far
+  double time_s = kQuietTime_s;
+};
+
+FrameInfo frame_of(const View& view) {
+  const Geodetic place = Geodetic::from_degrees(view.lat_deg, view.lon_deg, view.height_m);
+  const dmat4 ecef_from_enu = make_ecef_from_enu(place);
+  const auto direction = [&](double heading, double pitch) {
+    const double h = rad_from_deg(heading), p = rad_from_deg(pitch);
+    return dvec3(ecef_from_enu * glm::dvec4(std::sin(h) * std::cos(p), std::cos(h) * std::cos(p), std::sin(p), 0.0));
+  };
+  FrameInfo frame;
+  frame.extent = {view.width, view.height};
+  frame.camera_ecef_m = dvec3(ecef_from_enu * glm::dvec4(view.east_m, view.north_m, 0.0, 1.0));
+  frame.time_s = view.time_s;
+  shared::FrameConstants& c = frame.constants;
+  c.planet = make_planet_view(frame.camera_ecef_m);
+  const double tan_y = std::tan(0.5 * rad_from_deg(view.fov_deg)), tan_x = tan_y * view.width / view.height;
+  const dvec3 forward = direction(view.heading_deg, view.pitch_deg),
+              up = direction(view.heading_deg, view.pitch_deg + 90.0);
+  c.forward = glm::vec3(forward);
+  c.right = glm::vec3(cross(forward, up) * tan_x);
+  c.up = glm::vec3(up * tan_y);
+  c.pixel_angle_rad = static_cast<float>(2.0 * tan_y / view.height);
+  c.camera_up = glm::vec3(direction(0.0, 90.0));
+  c.key_dir = c.sun_dir = glm::vec3(direction(view.sun_azimuth_deg, view.sun_elevation_deg));
+  c.size = {view.width, view.height};
+  return frame;
+}
+
+struct Answer {
+  float truth, by_map, sigma_per_m;
+  uint32_t steps;
+};
+
+/// Shadow maps of one sky, and what there is to be asked.
+struct Rig {
+  Rig(GpuFixture& fixture, const CloudParams& params, const CloudShadowParams& shadows = {})
+      : gpu(fixture),
+        clouds(gpu.device, params),
+        maps(gpu.device, clouds, shadows),
+        probe(gpu.device,
+              {.name = "shadow_test", .spirv = shadow_map_test_comp, .constants = clouds.specialisation(2)}) {}
+  double update_ms(const View& view) {
+    const auto start = std::chrono::steady_clock::now();
+    FrameGraph graph;
+    FrameInfo frame = frame_of(view);
+    frame.buffer = graph.constants("frame", frame.constants);
+    maps.add(graph, frame, import_cloud_density(graph, frame, clouds));
+    gpu.executor.run(graph);
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  }
+  std::vector<Answer> ask(const View& view, const std::vector<glm::vec3>& points, float step_m) {
+    FrameGraph graph;
+    FrameInfo frame = frame_of(view);
+    frame.buffer = graph.constants("frame", frame.constants);
+    const CloudDensityRefs density = import_cloud_density(graph, frame, clouds);
+    const CloudShadowRefs refs = maps.add(graph, frame, density);
+    const BufferRef out = graph.create_buffer("answers", points.size() * sizeof(Answer));
+    auto pass = graph.pass("shadow_test");
+    pass.uniform("frame", frame.buffer).read("points", graph.constants("points", points)).write("answers", out);
+    bind_density(pass, density);
+    bind_cloud_shadow(pass, refs);
+    struct Push {
+      uint32_t count;
+      float step_m;
+    } push{static_cast<uint32_t>(points.size()), step_m};
+    pass.record([this, push](gpu::Commands& cmd) { cmd.bind(probe).push(push).dispatch_threads(push.count); });
+    graph.keep(out);
+    gpu.executor.run(graph);
+    return gpu.executor.read<Answer>(out);
+  }
+  GpuFixture& gpu;
+  Clouds clouds;
+  CloudShadowMaps maps;
+  gpu::ComputePipeline probe;
+};
+
+/// Points of the ground in view, by pixels at random, up to the shadows' reach.
+std::vector<glm::vec3> ground_points(const View& view, size_t count, float reach_m) {
+  const FrameInfo frame = frame_of(view);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  std::vector<glm::vec3> points;
+  for (size_t i = 0; i < 400 * count && points.size() < count; ++i) {
+    const glm::vec2 pixel(unit(random) * static_cast<float>(view.width),
+                          unit(random) * static_cast<float>(view.height));
+    const glm::vec3 dir = shared::pixel_direction(frame.constants, pixel);
+    glm::vec2 t(0.0f);
+    if (shared::intersect_shell(frame.constants.planet, dir, 0.0f, t) && t.x > 0.0f && t.x < reach_m)
+      points.push_back(dir * t.x);
+  }
+  return points;
+}
+
+/// Points inside clouds in view: anywhere along rays at random.
+std::vector<glm::vec3> cloud_points(Rig& rig, const View& view, size_t count, float reach_m) {
+  const FrameInfo frame = frame_of(view);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+  std::vector<glm::vec3> points;
+  const float high = rig.maps.data().hull_high_m, low = rig.maps.data().hull_low_m;
+  for (int round = 0; round < 60 && points.size() < count; ++round) {
+    std::vector<glm::vec3> some;
+    for (int i = 0; i < 400000 && some.size() < 4096; ++i) {
+      const glm::vec2 pixel(unit(random) * static_cast<float>(view.width),
+                            unit(random) * static_cast<float>(view.height));
+      const glm::vec3 dir = shared::pixel_direction(frame.constants, pixel);
+      glm::vec2 ground(0.0f);
+      float from = 0.0f, to = reach_m;
+      if (shared::intersect_shell(frame.constants.planet, dir, 0.0f, ground) && ground.x > 0.0f)
+        to = std::min(to, ground.x);
+      glm::vec2 top(0.0f);
+      if (!shared::intersect_shell(frame.constants.planet, dir, high, top)) continue;
+      from = std::max(from, top.x);
+      to = std::min(to, top.y);
+      if (to <= from) continue;
+      const glm::vec3 p = dir * (from + (to - from) * unit(random));
+      const float h = shared::geodetic_height(frame.constants.planet, p);
+      if (h > low && h < high) some.push_back(p);
+    }
+    const std::vector<Answer> answers = rig.ask(view, some, 0.0f);
+    for (size_t i = 0; i < some.size(); ++i)
+      if (answers[i].sigma_per_m > 1e-3f && points.size() < count) points.push_back(some[i]);
+  }
+  return points;
+}
+
+struct Errors {
+  double mean_abs = 0.0, bias = 0.0, mean_truth = 0.0, steps = 0.0;
+  size_t count = 0;
+};
+
+Errors errors_of(const std::vector<Answer>& answers) {
+  Errors e;
+  e.count = answers.size();
+  for (const Answer& a : answers) {
+    const double d = static_cast<double>(a.by_map) - static_cast<double>(a.truth);
+    e.mean_abs += std::abs(d);
+    e.bias += d;
+    e.mean_truth += static_cast<double>(a.truth);
+    e.steps += a.steps;
+  }
+  const double n = std::max<double>(1.0, static_cast<double>(e.count));
+  return {e.mean_abs / n, e.bias / n, e.mean_truth / n, e.steps / n, e.count};
+}
+
+CloudParams cumulus() {
+  CloudParams params;
+  params.coverage = 0.5;
+  params.layers[0].base_m = 1000.0;
+  params.layers[0].thickness_m = 1400.0;
+  return params;
+}
+
+TEST_CASE("study" * doctest::skip()) {
+  GpuFixture gpu;
+  const char* wanted = std::getenv("STUDY");
+  const std::string which = wanted ? wanted : "60";
+  View view;
+  if (which == "30") view.sun_elevation_deg = 30.0;
+  if (which == "5") view.sun_elevation_deg = 5.0;
+  if (which == "10km") view.height_m = 10e3, view.pitch_deg = -30.0;
+  if (which == "400km") view.height_m = 400e3, view.pitch_deg = -60.0;
+  const size_t count = full_size() ? 10000 : 2000;
+  Rig rig(gpu, cumulus());
+  rig.update_ms(view);
+  const auto* d = &rig.maps.data();
+  for (uint32_t k = 0; k < d->cascades; ++k)
+    std::printf("cascade %u: texel %.1f m, reach %.0f m, slabs %u\n", k, d->at[k].texel_m, d->at[k].reach_m,
+                d->at[k].slabs);
+  const float reach = d->at[d->cascades - 1].reach_m * 0.85f;
+  const std::vector<glm::vec3> ground = ground_points(view, count, reach);
+  const std::vector<glm::vec3> inside = cloud_points(rig, view, count, reach);
+  std::vector<Answer> truth_ground = rig.ask(view, ground, 3.0f), truth_inside = rig.ask(view, inside, 3.0f);
+  for (const bool mean : {false, true})
+    for (const uint32_t detail : {0u, 1u, 2u})
+      for (const float scale : {1.0f, 0.4f}) {
+        rig.maps.set_march({.detail = detail, .step_scale = scale, .mean = mean});
+        rig.update_ms(view);
+        rig.maps.reset();
+        const double ms = rig.update_ms(view);
+        const uint32_t marched = rig.maps.work().marched;
+        const auto evaluate = [&](const std::vector<glm::vec3>& points, const std::vector<Answer>& truth) {
+          std::vector<Answer> answers = rig.ask(view, points, 0.0f);
+          for (size_t i = 0; i < points.size(); ++i) answers[i].truth = truth[i].truth;
+          return errors_of(answers);
+        };
+        const Errors g = evaluate(ground, truth_ground), c = evaluate(inside, truth_inside);
+        std::printf(
+            "%s %s detail %u step x%.1f: %5u tiles %6.0f ms | ground %zu |d| %.4f bias %+.4f (mean %.3f) | inside %zu "
+            "|d| %.4f bias %+.4f (mean %.3f)\n",
+            which.c_str(), mean ? "mean  " : "clumps", detail, static_cast<double>(scale), marched, ms, g.count,
+            g.mean_abs, g.bias, g.mean_truth, c.count, c.mean_abs, c.bias, c.mean_truth);
+        std::fflush(stdout);
+      }
+}
+
+}  // namespace
+}  // namespace nepho
