@@ -38,6 +38,7 @@ Renderer::Parts::Parts(gpu::Device& device, TerrainSources sources, const SkySou
       night_sky(device, sky_sources),
       background(device, static_cast<uint32_t>(spectral_groups(scene.atmosphere))),
       composite(device),
+      shafts(device, static_cast<uint32_t>(spectral_groups(scene.atmosphere))),
       exposure(device) {
   auto start = Clock::now();
   atmosphere = std::make_unique<AtmosphereTables>(device, scene.atmosphere);
@@ -169,12 +170,13 @@ RenderResult Renderer::render(const RenderRequest& request) {
                                       .night = NightSky::shows(frame.constants) || frame.constants.light_count > 1,
                                       .sun_visibility = {}};
     CloudDensityRefs density;
+    CloudShadowRefs shadow;
     if (p.clouds) {
       density = import_cloud_density(graph, frame, p.clouds->clouds);
       background.sun_visibility = p.clouds->shadow.add(graph, frame, out.terrain, density);
     }
     out.background = p.background.add(graph, frame, scene_.atmosphere, background);
-    out.radiance = out.background;
+    CloudMarchPass::Outputs marched;
     if (p.clouds) {
       p.clouds->ground.update(p.terrain.heights(), p.terrain.imagery(), p.clouds->light.region(frame));
       const GroundMap::Refs ground = p.clouds->ground.import_into(graph);
@@ -184,11 +186,26 @@ RenderResult Renderer::render(const RenderRequest& request) {
                                                           .ground = p.clouds->ground.map(),
                                                           .ground_albedo = ground.albedo,
                                                           .ground_height = ground.height_m});
-      const CloudMarchPass::Outputs marched = p.clouds->march.add(
+      marched = p.clouds->march.add(
           graph, frame,
           {.depth_m = out.terrain.depth_m, .atmosphere = atmosphere, .density = density, .light = light});
-      out.cloud = marched.radiance;
       out.cloud_info = marched.info;
+    }
+    const ShaftPass::Outputs aired = p.shafts.add(
+        graph, frame, scene_.shafts, scene_.haze, shaft_method(scene_.shafts, scene_.render.quality),
+        {.depth_m = out.terrain.depth_m,
+         .background = out.background,
+         .cloud = marched.radiance,
+         .cloud_info = marched.info,
+         .atmosphere = atmosphere,
+         .shadow = shadow,
+         .cloud_top_m = p.clouds ? static_cast<double>(p.clouds->clouds.constants().hull_high_m) : 0.0,
+         .ground_m = p.terrain.ground_height_m(p.pose.at.lat_rad, p.pose.at.lon_rad),
+         .ground_albedo = scene_.atmosphere.ground_albedo,
+         .air = &p.atmosphere->uniform()});
+    out.background = out.radiance = aired.background;
+    out.cloud = aired.cloud;
+    if (p.clouds) {
       out.radiance = p.composite.add(graph, frame, out.background, out.cloud);
       if (!request.debug.empty() && i == 0) {
         out.debug = p.clouds->debug.add(graph, frame, request.debug, out.terrain.depth_m, density, marched);

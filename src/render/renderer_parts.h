@@ -13,6 +13,7 @@
 #include "render/night_sky.h"
 #include "render/reference_tracer.h"
 #include "render/renderer.h"
+#include "render/shaft_pass.h"
 #include "terrain/ground_map.h"
 #include "terrain/terrain.h"
 
@@ -48,6 +49,7 @@ struct Renderer::Parts {
   std::unique_ptr<ReferenceTracer> reference;  ///< of quality reference
   BackgroundPass background;
   CompositePass composite;
+  ShaftPass shafts;
   ExposurePasses exposure;
   SkyBodies sky;
   FrameLight light;

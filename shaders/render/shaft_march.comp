@@ -1,0 +1,14 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Shafts (and haze) by a march of every ray through the clouds' shade.
+#include "common/frame.h"
+layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
+#define CLOUD_BINDING 1
+#include "clouds/shadow_map.glsl"
+#define ATMOSPHERE_BINDING 12
+#include "atmosphere/atmosphere_lookup.glsl"
+#define SHAFT_BINDING 19
+#define AIR_VISIBLE(p) cloud_sun_transmittance(p)
+#define AIR_BLOCK(block)
+#include "render/shaft_air.glsl"
+#include "render/shaft_march.glsl"
