@@ -173,6 +173,7 @@ RenderResult Renderer::render(const RenderRequest& request) {
     CloudShadowRefs shadow;
     if (p.clouds) {
       density = import_cloud_density(graph, frame, p.clouds->clouds);
+      shadow = p.clouds->shadow_maps.add(graph, frame, density);
       background.sun_visibility = p.clouds->shadow.add(graph, frame, out.terrain, density);
     }
     out.background = p.background.add(graph, frame, scene_.atmosphere, background);

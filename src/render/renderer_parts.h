@@ -4,6 +4,7 @@
 
 #include "atmosphere/atmosphere_tables.h"
 #include "clouds/cloud_march_pass.h"
+#include "clouds/shadow_map.h"
 #include "gpu/graph_executor.h"
 #include "render/background_pass.h"
 #include "render/debug_views.h"
@@ -30,12 +31,14 @@ struct Renderer::Parts {
           light(device, clouds),
           ground(device),
           march(device, clouds, spectral_groups),
+          shadow_maps(device, clouds, {}),
           shadow(device, clouds),
           debug(device, clouds) {}
     Clouds clouds;
     CloudLight light;
     GroundMap ground;
     CloudMarchPass march;
+    CloudShadowMaps shadow_maps;
     GroundShadowPass shadow;
     DebugViewPass debug;
   };
