@@ -8,7 +8,7 @@
 #include "clouds/flight.glsl"
 
 // Band of a height, -1 between and beyond them; and the way to the next one above and below (kFar_m: there is none).
-int grid_band(CloudBounds grid, float height_m, out float above_m, out float below_m) {
+int grid_band(CloudGrid grid, float height_m, out float above_m, out float below_m) {
   int band = -1;
   above_m = kFar_m;
   below_m = kFar_m;
@@ -21,21 +21,34 @@ int grid_band(CloudBounds grid, float height_m, out float above_m, out float bel
   return band;
 }
 
-// x extinction, y optical depth to the key light at a place inside a band; 0 beyond the last map.
-vec2 grid_read(CloudBounds grid, int band, Place here) {
-  vec2 xy = region_xy(grid.map, here.dir);
-  // The finest level among whose texel centres the place lies.
-  float widest = max(abs(xy.x), abs(xy.y)) * (float(kBoundsTexels) / float(kBoundsTexels - 1u));
-  float level = max(floor(log2(max(widest / grid.map.half_m, 0.5))) + 1.0, 0.0);
-  float levels = float(grid.map.levels);
+// Where a place is on the grid: z from the first slice of a level on, and the finest level that has it kMostVoxels inside (or
+// beyond the last one).
+struct GridPlace {
+  vec2 xy;
+  float z, level;
+};
+
+GridPlace grid_place(CloudGrid grid, int band, Place here) {
+  GridPlace at;
+  at.xy = region_xy(grid.map, here.dir);
+  float widest = max(abs(at.xy.x), abs(at.xy.y)) * (1.0 / (1.0 - 2.0 * (kMostVoxels + 1.0) / float(grid.texels)));
+  at.level = max(floor(log2(max(widest / grid.map.half_m, 0.5))) + 1.0, 0.0);
   float low = grid.band_low_m[band], high = grid.band_high_m[band], slices = grid.band_slices[band];
-  float z = clamp((here.height_m - low) / (high - low) * slices, 0.5, slices - 0.5) + grid.band_first[band];
-  vec3 uvw = vec3(xy * (0.5 * exp2(-level) / grid.map.half_m) + 0.5, (min(level, levels - 1.0) * float(kBoundsSlices) + z) / (levels * float(kBoundsSlices)));
-  return level < levels ? textureLod(grid_tex, uvw, 0.0).rg : vec2(0.0);
+  at.z = clamp((here.height_m - low) / (high - low) * slices, 0.5, slices - 0.5) + grid.band_first[band];
+  return at;
 }
 
+// x extinction, y optical depth to the key light; 0 beyond the last map.
+vec2 grid_read_at(CloudGrid grid, GridPlace at) {
+  float levels = float(grid.map.levels);
+  vec3 uvw = vec3(at.xy * (0.5 * exp2(-at.level) / grid.map.half_m) + 0.5, (min(at.level, levels - 1.0) * float(grid.slices) + at.z) / (levels * float(grid.slices)));
+  return at.level < levels ? textureLod(grid_tex, uvw, 0.0).rg : vec2(0.0);
+}
+
+vec2 grid_read(CloudGrid grid, int band, Place here) { return grid_read_at(grid, grid_place(grid, band, here)); }
+
 // Optical depth from anywhere to the key light, through all layers.
-float grid_sun_depth(CloudBounds grid, vec3 p, vec3 sun) {
+float grid_sun_depth(CloudGrid grid, vec3 p, vec3 sun) {
   Flight f = flight_from(p, sun);
   Place here = place_on(f);
   float above_m, below_m;

@@ -8,6 +8,7 @@ layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_d
 layout(set = 0, binding = 1) uniform sampler3D grid_tex;
 #include "clouds/cloud_grid.glsl"
 layout(scalar, set = 0, binding = 2) uniform LightBlock { CloudLightConstants data; } light;
+layout(set = 0, binding = 4) uniform sampler3D most_tex;
 layout(set = 0, binding = 3, rg16f) uniform writeonly image3D out_grid;
 
 const int kSteps = 64;
@@ -22,17 +23,20 @@ vec3 point_at(PlanetView planet, vec3 dir, float height_m) {
 
 void main() {
   ivec3 at = ivec3(gl_GlobalInvocationID);
-  CloudBounds grid = light.data.grid;
-  int level = at.z / int(kBoundsSlices);
-  int slice = at.z - level * int(kBoundsSlices);
+  CloudGrid grid = light.data.grid;
+  int level = at.z / int(grid.slices);
+  int slice = at.z - level * int(grid.slices);
   int band = -1;
   for (uint b = 0u; b < grid.bands; ++b)
     if (float(slice) >= grid.band_first[b] && float(slice) < grid.band_first[b] + grid.band_slices[b]) band = int(b);
   if (band < 0) return;
   float half_m = region_half_m(grid.map, uint(level));
-  float texel_m = 2.0 * half_m / float(kBoundsTexels);
+  float texel_m = 2.0 * half_m / float(grid.texels);
   vec2 xy = (vec2(at.xy) + 0.5) * texel_m - half_m;
-  bool hidden = level > 0 && max(abs(xy.x), abs(xy.y)) < 0.5 * half_m * (1.0 - 3.0 / float(kBoundsTexels));
+  // Nobody asks where a finer level is read, nor where nothing is around; but at a band's rim rays towards the light are picked up.
+  bool wanted = level == 0 || max(abs(xy.x), abs(xy.y)) > 0.5 * half_m * (1.0 - 12.0 / float(grid.texels));
+  bool rim = float(slice) == grid.band_first[band] || float(slice) + 1.0 == grid.band_first[band] + grid.band_slices[band];
+  if (wanted && !rim) wanted = texelFetch(most_tex, at / 2, 0).r > 0.0;
   vec3 sun = frame.frame_data.key_dir;
   float low_m = grid.band_low_m[band], slice_m = (grid.band_high_m[band] - low_m) / grid.band_slices[band];
   vec3 dir = region_direction(grid.map, xy);
@@ -42,7 +46,7 @@ void main() {
   // A voxel's length along the ray.
   float step_m = 0.7 * min(texel_m / max(sqrt(1.0 - climb0 * climb0), 0.05), slice_m / max(climb0, 0.02));
   float tau = 0.0, sigma0 = texelFetch(grid_tex, at, 0).r;
-  for (int i = 0; i < kSteps && !hidden; ++i) {
+  for (int i = 0; i < kSteps && wanted; ++i) {
     f.s += step_m;
     Place here = place_on(f);
     float above_m, below_m;

@@ -5,7 +5,7 @@
 #include "common/frame.h"
 
 // Distance at which a ray from the camera enters the shells that hold all layers; below 0 where it does not.
-float light_entry(PlanetView planet, CloudBounds grid, vec3 dir) {
+float light_entry(PlanetView planet, CloudGrid grid, vec3 dir) {
   float low_m = grid.band_low_m[0], high_m = grid.band_high_m[grid.bands - 1u] * 1.0034 + 1.0;
   low_m -= max(-low_m, 0.0) * 0.0034 + 1.0;
   vec2 outer, inner;

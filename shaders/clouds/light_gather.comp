@@ -19,12 +19,13 @@ layout(scalar, set = 0, binding = 3) uniform LightBlock { CloudLightConstants da
 layout(scalar, set = 0, binding = 4) readonly buffer WorkBlock { LightWork data; } work;
 layout(scalar, set = 0, binding = 5) readonly buffer ListBlock { uint at[]; } list;
 layout(set = 0, binding = 6, rgba16f) uniform writeonly image3D out_cells;
-layout(scalar, set = 0, binding = 9) readonly buffer FactsBlock { GridFacts data; } facts;
+layout(set = 0, binding = 9) uniform sampler3D most_tex;
 #define GROUND_MAP_BINDING 7  // and 8
 #include "terrain/ground_map.glsl"
 
 const int kMostTurns = 40000;
 const float kRouletteBelow = 0.3;
+const float kWaterAlbedo = 0.06;  // of a sea, diffuse light, all angles (Jin et al. 2004)
 
 float ground_distance(Flight f) {
   float t = distance_to_shell(f, scaled_height_from_geodetic(CLOUD_PLANET, f.q0, ground_height_m(light.data.ground, normalize(f.q0))));
@@ -38,7 +39,7 @@ void main() {
   uint cell = list.at[item];
   FrameConstants f = frame.frame_data;
   LightCells cells = light.data.cells;
-  CloudBounds grid = light.data.grid;
+  CloudGrid grid = light.data.grid;
   uint slice = cell % cells.slices, column = cell / cells.slices;
   uvec2 node = uvec2(column % cells.nodes.x, column / cells.nodes.x);
   vec3 dir = light_node_direction(f, cells, node);
@@ -48,13 +49,13 @@ void main() {
   vec3 origin = dir * (max(entry, 0.0) + light_slice_m(cells, float(slice) + 0.5));
   vec3 sun = f.key_dir;
   float rest = 1.0 - light.data.forward_albedo;  // of the extinction, in the scaled medium
-  float majorant = rest * uintBitsToFloat(facts.data.most);
   Random random = random_stream(cell, light.data.frame_index, light.data.seed);
   vec2 shift = vec2(random_unit(random), random_unit(random));
 
   uint path = 0u;
   bool alive = false;
   Flight flight = flight_from(origin, dir);
+  Place here;
   float weight = 0.0, above_m, below_m;
   int band = -1;
   for (int turn = 0; turn < kMostTurns && valid > 0.0; ++turn) {
@@ -69,16 +70,31 @@ void main() {
       weight = 1.0;
       alive = begin = true;
       ++path;
-    }
-    if (!begin) {
-      // On to the next tentative collision, or over a gap between bands.
-      bool inside = band >= 0;
-      Place here = place_on(flight);
+    } else {
+      // On to the next tentative collision; or as far as the majorant holds, or over a gap between bands.
       float climb = dot(flight.dir, here.up);
-      float leap = min(above_m < kFar_m ? length_rising(above_m + 0.5, climb) : kFar_m, below_m < kFar_m ? length_sinking(below_m + 0.5, climb) : kFar_m);
-      flight.s += inside ? max(-log(1.0 - random_unit(random)), 1.0e-6) / majorant : leap;
+      float reach = min(above_m < kFar_m ? length_rising(above_m + 0.5, climb) : kFar_m, below_m < kFar_m ? length_sinking(below_m + 0.5, climb) : kFar_m);
+      bool tentative = false;
+      float majorant = 0.0;
+      if (band >= 0) {
+        float slice_m = (grid.band_high_m[band] - grid.band_low_m[band]) / grid.band_slices[band];
+        reach = climb > 0.0 ? length_rising(grid.band_high_m[band] - here.height_m + 0.5, climb) : length_sinking(here.height_m - grid.band_low_m[band] + 0.5, climb);
+        GridPlace at = grid_place(grid, band, here);
+        if (at.level < float(grid.map.levels)) {
+          float voxel_m = 2.0 * grid.map.half_m / float(grid.texels) * exp2(at.level);
+          ivec3 cell = ivec3((at.xy / voxel_m + 0.5 * float(grid.texels)) * 0.5, (at.level * float(grid.slices) + at.z) * 0.5);
+          majorant = rest * texelFetch(most_tex, cell, 0).r;
+          reach = min(reach, kMostVoxels * min(voxel_m * inversesqrt(max(1.0 - climb * climb, 1.0e-4)), slice_m / max(abs(climb), 1.0e-3)));
+        }
+        float draw = -log(1.0 - random_unit(random));
+        if (draw < majorant * reach) {
+          tentative = true;
+          reach = max(draw / majorant, 0.01);
+        }
+      }
+      flight.s += reach;
       vec2 draw = vec2(random_unit(random), random_unit(random));
-      float chance = random_unit(random);
+      float chance = random_unit(random), stay = 1.0;
       if (flight.s >= flight.end_m) {
         if (flight.end_m >= kFar_m) {
           sum.y += weight / kPi;
@@ -88,13 +104,8 @@ void main() {
           here = place_on(flight);
           vec3 p = flight.origin + flight.dir * flight.s;
           GroundPoint ground = ground_at(light.data.ground, here.dir);
-          float albedo = mix(dot(ground.albedo, vec3(0.2126, 0.7152, 0.0722)), 0.06, ground.water);
-          weight *= albedo;
+          weight *= mix(dot(ground.albedo, vec3(0.2126, 0.7152, 0.0722)), kWaterAlbedo, ground.water);
           sum.z += weight / kPi * exp(-rest * grid_sun_depth(grid, p, sun));
-          if (weight < kRouletteBelow) {
-            alive = chance < weight / kRouletteBelow;
-            weight = kRouletteBelow;
-          }
           begin = true;
           start = p + here.up;
           way = sample_cosine_hemisphere(here.up, draw);
@@ -102,26 +113,27 @@ void main() {
       } else {
         here = place_on(flight);
         band = grid_band(grid, here.height_m, above_m, below_m);
-        if (band >= 0 && inside) {
+        if (tentative && band >= 0) {
           vec2 medium = grid_read(grid, band, here);
           if (chance * majorant < rest * medium.x) {
             weight *= light.data.wide_albedo;
             sum.x += weight * phase_hg(dot(flight.dir, sun), light.data.wide_g) * exp(-rest * medium.y);
-            if (weight < kRouletteBelow) {
-              alive = fract(chance * 4096.0) < weight / kRouletteBelow;
-              weight = kRouletteBelow;
-            }
             begin = true;
             start = flight.origin + flight.dir * flight.s;
             way = direction_about(flight.dir, sample_hg_cosine(light.data.wide_g, draw.x), draw.y);
           }
         }
       }
+      if (begin && weight < kRouletteBelow) {
+        alive = random_unit(random) < weight / kRouletteBelow;
+        weight = kRouletteBelow;
+      }
     }
     if (begin) {
       flight = flight_from(start, way);
-      flight.end_m = ground_distance(flight);
-      band = grid_band(grid, place_on(flight).height_m, above_m, below_m);
+      here = place_on(flight);
+      if (dot(here.up, way) < 0.0) flight.end_m = ground_distance(flight);
+      band = grid_band(grid, here.height_m, above_m, below_m);
     }
   }
   sum /= float(max(path, 1u));

@@ -18,7 +18,7 @@ const float kThinnest = 1.0e-6;  // 1/m
 void main() {
   FrameConstants f = frame.frame_data;
   LightCells cells = light.data.cells;
-  CloudBounds grid = light.data.grid;
+  CloudGrid grid = light.data.grid;
   uvec2 pixel = gl_GlobalInvocationID.xy * cells.stride_px + cells.stride_px / 2u;
   if (any(greaterThanEqual(pixel, f.size))) return;
   vec3 dir = pixel_direction(f, vec2(pixel) + 0.5);

@@ -16,8 +16,20 @@ struct LightCells {
   uint stride_px;    // of the pixels whose rays say which cells are seen
 };
 
+// The density grid: nested maps of columns, cut into slices of height within the bands that hold layers.
+struct CloudGrid {
+  RegionMap map;
+  vec4 band_low_m;   // geodetic heights, lowest band first
+  vec4 band_high_m;
+  vec4 band_first;   // first slice
+  vec4 band_slices;  // number of slices
+  uint bands;
+  uint texels;       // along a side of a level; even
+  uint slices;       // of a level; even
+};
+
 struct CloudLightConstants {
-  CloudBounds grid;      // places of the density grid: maps and bands, see grid_read()
+  CloudGrid grid;
   RegionMap ground;      // of the ground's albedo and height
   LightCells cells;
   float forward_share;   // f: share of scattering taken as going straight on
@@ -42,10 +54,9 @@ struct LightWork {
   uint count;
 };
 
-// What is known of the whole grid.
-struct GridFacts {
-  uint most;  // bits of its largest extinction, 1/m
-};
+// Cells (2 x 2 x 2 voxels) around each over which the largest extinction is known; trilinear reads take a voxel of it.
+SHARED_CONST uint kMostReach = 2u;
+SHARED_CONST float kMostVoxels = 3.0f;
 
 // Beam table: theta = pi u^2, u = 0..1 over kBeamTexels; rows of four orders.
 SHARED_CONST uint kBeamTexels = 512u;

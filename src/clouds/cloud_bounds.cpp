@@ -21,7 +21,7 @@ struct BoundsPush {
 };
 
 /// Heights of all layers as few bands, lowest first; bands share the slices by the root of their thickness.
-void set_bands(shared::CloudBounds& to, std::vector<Clouds::HeightRange> ranges) {
+void set_bands(shared::CloudBounds& to, std::vector<Clouds::HeightRange> ranges, uint32_t slices) {
   std::sort(ranges.begin(), ranges.end(), [](const auto& a, const auto& b) { return a.low_m < b.low_m; });
   std::vector<Clouds::HeightRange> bands;
   for (const Clouds::HeightRange& r : ranges) {
@@ -37,7 +37,7 @@ void set_bands(shared::CloudBounds& to, std::vector<Clouds::HeightRange> ranges)
   for (size_t i = 0; i < bands.size(); ++i) {
     const auto k = static_cast<int>(i);
     const double share = std::sqrt(bands[i].high_m - bands[i].low_m) / roots;
-    const auto spare = static_cast<float>(shared::kBoundsSlices - 2 * bands.size());
+    const auto spare = static_cast<float>(slices - 2 * bands.size());
     to.band_low_m[k] = static_cast<float>(bands[i].low_m);
     to.band_high_m[k] = static_cast<float>(bands[i].high_m);
     to.band_first[k] = first;
@@ -115,10 +115,10 @@ void CloudBoundsMap::set_even(double low_m, double high_m, double most_per_m) {
   device_.upload({&upload, 1});
 }
 
-shared::CloudBounds cloud_bands(const Clouds& clouds) {
+shared::CloudBounds cloud_bands(const Clouds& clouds, uint32_t slices) {
   shared::CloudBounds bounds{};
   bounds.most_per_m = most_extinction(clouds);
-  set_bands(bounds, clouds.layer_ranges());
+  set_bands(bounds, clouds.layer_ranges(), slices);
   return bounds;
 }
 

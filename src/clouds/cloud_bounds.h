@@ -35,8 +35,8 @@ class CloudBoundsMap {
   shared::CloudBounds data_{};
 };
 
-/// The bands of height that hold all layers, cut into slices; without a map.
-shared::CloudBounds cloud_bands(const Clouds& clouds);
+/// The bands of height that hold all layers, cut into about `slices` slices; without a map.
+shared::CloudBounds cloud_bands(const Clouds& clouds, uint32_t slices = shared::kBoundsSlices);
 
 /// The nested maps that a camera's clouds want: centred where it looks on the ground from far above, else below it;
 /// as wide as it can see clouds up to `top_m`.

@@ -7,6 +7,7 @@
 #include "clouds/beam_table.h"
 #include "clouds/cloud_bounds.h"
 #include "clouds/cloud_grid_bake.comp.h"
+#include "clouds/cloud_grid_most.comp.h"
 #include "clouds/cloud_grid_sun.comp.h"
 #include "clouds/light_gather.comp.h"
 #include "clouds/light_list.comp.h"
@@ -23,17 +24,34 @@ constexpr uint32_t kNode_px = 4;     ///< pixels between nodes in small pictures
 
 shared::LightCells cells_for(Extent2D extent) {
   const uint32_t longest = std::max(extent.width, extent.height);
-  const double px = std::max(double{kNode_px}, static_cast<double>(longest) / kMostNodes);
+  const auto env = [](const char* n, double d) { const char* v = std::getenv(n); return v ? std::atof(v) : d; };  // TEMP
+  const double px = std::max(env("L_PX", kNode_px), static_cast<double>(longest) / kMostNodes);
   shared::LightCells c{};
   c.nodes = {std::max(2u, static_cast<uint32_t>(std::lround(extent.width / px))),
              std::max(2u, static_cast<uint32_t>(std::lround(extent.height / px)))};
   c.slices = kSlices;
-  c.paths = kPaths;
-  c.first_m = 25.0f;
-  c.growth = 0.015f;
+  c.paths = static_cast<uint32_t>(env("L_PATHS", kPaths));
+  c.first_m = static_cast<float>(env("L_FIRST", 25.0));
+  c.growth = static_cast<float>(env("L_GROW", 0.015));
   c.log2_ratio = std::log2(1.0f + c.growth);
   c.stride_px = std::max(1u, static_cast<uint32_t>(px / 2.0));
   return c;
+}
+
+shared::CloudGrid grid_places(const Clouds& clouds, const shared::RegionMap& map) {
+  const auto env = [](const char* n, double d) { const char* v = std::getenv(n); return v ? std::atof(v) : d; };  // TEMP
+  const uint32_t kTexels = env("L_TEX", 128), kGridSlices = env("L_SL", 32);
+  const shared::CloudBounds bands = cloud_bands(clouds, kGridSlices);
+  shared::CloudGrid grid{};
+  grid.map = map;
+  grid.band_low_m = bands.band_low_m;
+  grid.band_high_m = bands.band_high_m;
+  grid.band_first = bands.band_first;
+  grid.band_slices = bands.band_slices;
+  grid.bands = bands.bands;
+  grid.texels = kTexels;
+  grid.slices = kGridSlices;
+  return grid;
 }
 
 }  // namespace
@@ -42,6 +60,9 @@ CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds)
     : device_(device),
       clouds_(clouds),
       sun_(device, {.name = "clouds.grid_sun", .spirv = cloud_grid_sun_comp}),
+      spread_{gpu::ComputePipeline(device, {.name = "clouds.most_x", .spirv = cloud_grid_most_comp, .constants = {0}}),
+              gpu::ComputePipeline(device, {.name = "clouds.most_y", .spirv = cloud_grid_most_comp, .constants = {1}}),
+              gpu::ComputePipeline(device, {.name = "clouds.most_z", .spirv = cloud_grid_most_comp, .constants = {2}})},
       mark_(device, {.name = "clouds.light_mark", .spirv = light_mark_comp}),
       list_(device, {.name = "clouds.light_list", .spirv = light_list_comp}),
       gather_(device, {.name = "clouds.light_gather", .spirv = light_gather_comp}) {
@@ -78,7 +99,7 @@ void CloudLight::renew(const CloudParams& params) {
 }
 
 shared::RegionMap CloudLight::region(const FrameInfo& frame) const {
-  constexpr float kHalf_m = 4e3f;  // of the finest map: voxels of 62 m
+  const char* vv = std::getenv("L_HALF"); const float kHalf_m = vv ? std::atof(vv) : 4e3f;  // of the finest map: voxels of 62 m
   double top_m = 0.0;
   for (const Clouds::HeightRange& r : clouds_.layer_ranges()) top_m = std::max(top_m, r.high_m);
   shared::RegionMap map = cloud_region(frame.constants, frame.camera_ecef_m, top_m);
@@ -89,48 +110,55 @@ shared::RegionMap CloudLight::region(const FrameInfo& frame) const {
 }
 
 void CloudLight::add_grid(FrameGraph& graph, const FrameInfo& frame, const CloudDensityRefs& density, BufferRef data,
-                          BufferRef facts, uint32_t levels) {
-  const Extent3D extent{shared::kBoundsTexels, shared::kBoundsTexels, shared::kBoundsSlices * levels};
+                          const shared::CloudGrid& places) {
+  const uint32_t side = places.texels, levels = places.map.levels;
+  const Extent3D extent{side, side, places.slices * levels};
+  const Extent3D half{side / 2, side / 2, extent.depth / 2};
   if (!grid_ || !(grid_.desc().extent == extent)) {
     extinction_ = device_.create_image({.name = "clouds.grid_extinction", .extent = extent, .format = Format::r16f});
     grid_ = device_.create_image({.name = "clouds.grid", .extent = extent, .format = Format::rg16f});
+    most_ = device_.create_image({.name = "clouds.grid_most", .extent = half, .format = Format::r16f});
   }
-  const ImageRef extinction = graph.import(extinction_), grid = graph.import(grid_);
+  const ImageRef extinction = graph.import(extinction_), grid = graph.import(grid_), most = graph.import(most_);
   const uint32_t phases = clouds_.phases_at(frame.time_s);
   gpu::ComputePipeline& pipeline = bake_[phases - 1];
   if (!pipeline)
     pipeline = gpu::ComputePipeline(device_, {.name = "clouds.grid",
                                               .spirv = cloud_grid_bake_comp,
                                               .constants = clouds_.specialisation(phases)});
-  auto clear = graph.pass("clouds.grid_clear");
-  clear.zero("facts", facts).effect();
-  clear.record([](gpu::Commands& cmd) { cmd.zero("facts"); });
   auto bake = graph.pass("clouds.grid");
-  bake.uniform("frame", frame.buffer)
-      .uniform("light", data)
-      .read_write("facts", facts)
-      .write("out_grid", extinction)
-      .effect();
+  bake.uniform("frame", frame.buffer).uniform("light", data).read_write("out_grid", extinction).effect();
   bind_density(bake, density);
-  bake.record([&pipeline, levels](gpu::Commands& cmd) {
-    cmd.bind(pipeline).dispatch_threads(shared::kBoundsTexels, shared::kBoundsTexels, levels);
+  bake.record([&pipeline, side, levels](gpu::Commands& cmd) {
+    cmd.bind(pipeline);
+    for (uint32_t level = 0; level < levels; ++level) cmd.push(level).dispatch_threads(side, side).barrier();
   });
+  const ImageRef spread_x = graph.create("clouds.grid_most_x", {.extent = half, .format = Format::r16f});
+  const ImageRef spread_y = graph.create("clouds.grid_most_y", {.extent = half, .format = Format::r16f});
+  const std::array<ImageRef, 4> chain{extinction, spread_x, spread_y, most};
+  for (size_t axis = 0; axis < 3; ++axis) {
+    auto spread = graph.pass("clouds.grid_most");
+    spread.uniform("light", data).sample("in_tex", chain[axis]).write("out_most", chain[axis + 1]).effect();
+    spread.record([this, axis, half](gpu::Commands& cmd) {
+      cmd.bind(spread_[axis]).dispatch_threads(half.width, half.height, half.depth);
+    });
+  }
   auto sun = graph.pass("clouds.grid_sun");
   sun.uniform("frame", frame.buffer)
       .uniform("light", data)
       .sample("grid_tex", extinction)
+      .sample("most_tex", most)
       .write("out_grid", grid)
       .effect();
-  sun.record([this, depth = extent.depth](gpu::Commands& cmd) {
-    cmd.bind(sun_).dispatch_threads(shared::kBoundsTexels, shared::kBoundsTexels, depth);
+  sun.record([this, extent](gpu::Commands& cmd) {
+    cmd.bind(sun_).dispatch_threads(extent.width, extent.height, extent.depth);
   });
 }
 
 CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in) {
   const shared::RegionMap map = region(frame);
   shared::CloudLightConstants constants{};
-  constants.grid = cloud_bands(clouds_);
-  constants.grid.map = map;
+  constants.grid = grid_places(clouds_, map);
   constants.ground = in.ground;
   if (!in.ground_albedo) {
     constants.ground = map;
@@ -145,8 +173,6 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
   constants.seed = frame.constants.seed;
   constants.frame_index = frame.constants.frame_index;
   const BufferRef data = graph.constants("clouds.light_data", constants);
-  if (!facts_) facts_ = device_.create_buffer({.name = "clouds.grid_facts", .size_bytes = sizeof(shared::GridFacts)});
-  const BufferRef facts = graph.import(facts_);
   const Key key{.camera_ecef_m = frame.camera_ecef_m,
                 .time_s = frame.time_s,
                 .key_dir = frame.constants.key_dir,
@@ -156,7 +182,7 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
     return {.data = data, .grid = none, .cells = none, .beam = graph.import(beam_)};
   }
   if (!filled_ || !(key == key_)) {
-    add_grid(graph, frame, in.density, data, facts, map.levels);
+    add_grid(graph, frame, in.density, data, constants.grid);
     key_ = key;
     filled_ = true;
   }
@@ -192,7 +218,7 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
       .sample("grid_tex", grid)
       .sample("ground_albedo_tex", in.ground_albedo ? in.ground_albedo : graph.import(no_albedo_))
       .sample("ground_height_tex", in.ground_height ? in.ground_height : graph.import(no_height_))
-      .read("facts", facts)
+      .sample("most_tex", graph.import(most_), Sampler::nearest_clamp)
       .read("work", work)
       .read("list", list)
       .write("out_cells", out);

@@ -43,13 +43,14 @@ class CloudLight {
     bool operator==(const Key&) const = default;
   };
   void add_grid(FrameGraph& graph, const FrameInfo& frame, const CloudDensityRefs& density, BufferRef data,
-                BufferRef facts, uint32_t levels);
+                const shared::CloudGrid& places);
   gpu::Device& device_;
   const Clouds& clouds_;
   std::array<gpu::ComputePipeline, 2> bake_;  ///< by phases - 1
-  gpu::ComputePipeline sun_, mark_, list_, gather_;
-  gpu::Image extinction_, grid_, beam_, no_albedo_, no_height_, none_;
-  gpu::Buffer facts_;
+  gpu::ComputePipeline sun_;
+  std::array<gpu::ComputePipeline, 3> spread_;  ///< by axis
+  gpu::ComputePipeline mark_, list_, gather_;
+  gpu::Image extinction_, grid_, most_, beam_, no_albedo_, no_height_, none_;
   float forward_share_ = 0.0f, wide_g_ = 0.0f, albedo_ = 1.0f;
   bool traced_ = true;  ///< false: octaves
   bool filled_ = false;
