@@ -44,14 +44,17 @@ float shadow_read(uint k, vec3 p_cam, vec2 shift) {
   at.xy += shift - 0.5;
   vec2 whole = floor(at.xy), part = at.xy - whole;
   uvec2 low = uvec2(clamp(whole, vec2(0.0), vec2(float(SHADOW.resolution) - 2.0)));
-  float x = clamp(at.z, 0.0, 65535.0), sum = 0.0;
+  float x = clamp(at.z, 0.0, 65535.0), sum = 0.0, depth = 0.0;
   for (uint i = 0u; i < 4u; ++i) {
     uvec2 corner = uvec2(i & 1u, i >> 1);
     uvec4 texel = texelFetch(cloud_shadow_map, ivec3(shadow_place(c, low + corner, SHADOW.resolution), k), 0);
     vec2 w = mix(1.0 - part, part, vec2(corner));
-    sum += w.x * w.y * exp(-shadow_depth_at(texel, x));
+    float tau = shadow_depth_at(texel, x);
+    sum += w.x * w.y * exp(-tau);
+    depth += w.x * w.y * tau;
   }
-  return sum;
+  // Means of transmittances are too bright at slanting faces of clouds, means of optical depths too dark at rims: half of each.
+  return 0.5 * (sum + exp(-depth));
 }
 
 // Where no map is: the mean below the clouds, nothing above them.

@@ -13,7 +13,7 @@ layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_d
 layout(scalar, set = 0, binding = 20) uniform ShadowBlock { ShadowMaps data; } cloud_shadow;
 layout(scalar, set = 0, binding = 21) readonly buffer TileBlock { ShadowTileWork at[]; } tiles;
 layout(set = 0, binding = 22, rgba32ui) uniform uimage2DArray shadow_map;
-layout(constant_id = 5) const uint DETAIL = 1u;   // noises that are read: 0 cells, 1 and billows, 2 and details
+layout(constant_id = 5) const uint DETAIL = 1u;   // noises besides the fields: 1 billows, 2 turbulence as well, 3 all
 layout(constant_id = 6) const bool MERGE = false; // the mean with what the texels hold already
 layout(push_constant, scalar) uniform PushBlock { uint first; float step_scale; uint use_mean; } push;
 
@@ -59,6 +59,15 @@ LightWay light_way(Flight f, ShadowCascade cascade) {
   return way;
 }
 
+// Whether a layer casts shadows. Layers are gone through by their own number: with a single one all of its data is then at
+// addresses that the compiler knows.
+bool casts(uint l) {
+  if (LAYERS == 1u) return true;
+  bool some = false;
+  for (uint k = 0u; k < kCloudLayers; ++k) some = some || (k < CLOUD.caster_count && CLOUD.casters[k] == l);
+  return some;
+}
+
 float way_z(LightWay way, float u) { return u < way.first_m ? way.top - u : way.inner_bottom - (u - way.first_m); }
 
 // Length of a ray over which height changes by dz, where it climbs by `climb` per metre.
@@ -84,13 +93,14 @@ bool may_hold(uint l, CloudWeather w, vec3 p, vec3 up, float height_m, vec2 heig
   return !outside && reach > 0.0;
 }
 
-Flight ray_of(ShadowMaps maps, ShadowCascade cascade, vec2 texel) {
-  return flight_from(cascade.corner + maps.axis_x * (texel.x * cascade.texel_m) + maps.axis_y * (texel.y * cascade.texel_m), maps.light);
+Flight ray_of(ShadowCascade cascade, vec2 texel) {
+  vec2 aside = texel * cascade.texel_m;
+  return flight_from(cascade.corner + cloud_shadow.data.axis_x * aside.x + cloud_shadow.data.axis_y * aside.y, cloud_shadow.data.light);
 }
 
 // Optical depth first, then where it was reached: one march of a texel.
-ShadowTexel march_texel(ShadowMaps maps, ShadowCascade cascade, vec2 texel, uvec2 todo, float jitter) {
-  Flight f = ray_of(maps, cascade, texel);
+ShadowTexel march_texel(ShadowCascade cascade, vec2 texel, uvec2 todo, float jitter) {
+  Flight f = ray_of(cascade, texel);
   LightWay way = light_way(f, cascade);
   float total = way.first_m + way.second_m, slab_m = total / float(cascade.slabs);
   float log2_footprint = log2(max(cascade.texel_m, 1.0));
@@ -102,37 +112,38 @@ ShadowTexel march_texel(ShadowMaps maps, ShadowCascade cascade, vec2 texel, uvec
     w1 = w;
   }
   float shortest = 1.0e9;
-  for (uint k = 0u; k < CLOUD.caster_count; ++k) shortest = min(shortest, CLOUD.layers[CLOUD.casters[k]].step_m);
+  for (uint l = 0u; l < LAYERS; ++l)
+    if (casts(l)) shortest = min(shortest, CLOUD.layers[l].step_m);
   float knots[6] = float[6](1.0e9, 1.0e9, 1.0e9, 1.0e9, 1.0e9, 1.0e9);
   float tau = 0.0, end_u = 0.0, u = 0.0, fine = shortest;
-  for (int steps = 0; steps < kMostSteps && u < total && tau < kShadowDeepest; ++steps) {
+  int steps = 0;
+  while (steps < kMostSteps && u < total && tau < kShadowDeepest) {
+    ++steps;
     // On to the next piece that may hold cloud.
     uint slab = min(uint(u / slab_m), cascade.slabs - 1u);
     uint low = slab < 32u ? todo.x >> slab : 0u, high = slab < 32u ? todo.y : todo.y >> (slab - 32u);
     uint next = low != 0u ? slab + uint(findLSB(low)) : high != 0u ? max(slab, 32u) + uint(findLSB(high)) : 999u;
     if (next > slab) u = float(next) * slab_m;
     float at = min(u + jitter * fine, total);
-    float z = way_z(way, at);
-    f.s = z;
+    f.s = way_z(way, at);
     Place here = place_on(f);
-    vec3 p = f.origin + f.dir * z;
+    vec3 p = f.origin + f.dir * f.s;
     float climb = abs(dot(here.up, f.dir));
     CloudWeather w = mix_weather(w0, w1, at / max(total, 1.0));
     float sigma = 0.0, advance_m = slab_m;
-    for (uint k = 0u; k < CLOUD.caster_count; ++k) {
-      uint l = CLOUD.casters[k];
+    for (uint l = 0u; l < LAYERS; ++l) {
+      if (!casts(l)) continue;
       CloudColumn c = cloud_column(l, w, p, here.up, here.height_m, log2_footprint);
       float eta = cloud_eta(l, c, here.height_m);
-      float own = clamp(0.7 * cascade.texel_m, CLOUD.layers[l].step_m, max(ray_over(CLOUD.layers[l].thickness_m, climb) * 0.1, CLOUD.layers[l].step_m)) * push.step_scale;
+      float own = clamp(0.7 * cascade.texel_m, CLOUD.layers[l].step_m, max(ray_over(CLOUD.layers[l].thickness_m, climb) * 0.1, CLOUD.layers[l].step_m)) * (1.5 * push.step_scale);
       float unknown = c.unknown;
       float level = cloud_cell_field(l, c, p, here.up, here.height_m, log2_footprint, unknown);
       level -= cell_threshold(cloud_need(l, c, clamp(eta, 0.0, 1.0)), c.probit);
-      if (DETAIL > 0u) {
-        CloudChurn churn = CloudChurn(vec3(0.0), vec3(0.0), vec3(0.0));
-        if (DETAIL > 1u) churn = cloud_churn(l, p, here.up, eta, log2_footprint);
-        level += cloud_shape_level(l, c, churn, p, eta, log2_footprint, unknown);
-        if (DETAIL > 1u) level += cloud_detail_level(l, c, churn, p, eta, log2_footprint, unknown);
-      }
+      CloudChurn churn = CloudChurn(vec3(0.0), vec3(0.0), vec3(0.0));
+      if (DETAIL > 1u) churn = cloud_churn(l, p, here.up, eta, log2_footprint);
+      level += cloud_shape_level(l, c, churn, p, eta, log2_footprint, unknown);
+      if (DETAIL > 2u) level += cloud_detail_level(l, c, churn, p, eta, log2_footprint, unknown);
+      else unknown += kDetailWeight * kDetailWeight * CLOUD.layers[l].detail_amount * CLOUD.layers[l].detail_amount;
       CloudMedium medium = cloud_medium(l, c.density, level, unknown, 0.0, eta, cascade.texel_m);
       float s = push.use_mean != 0u ? medium.mean_per_m : medium.sigma_per_m;
       if (eta > 0.0 && eta < 1.0) {
@@ -143,9 +154,9 @@ ShadowTexel march_texel(ShadowMaps maps, ShadowCascade cascade, vec2 texel, uvec
         fine = own;
       }
     }
-    float step_m = min(advance_m, total - u), after = tau + sigma * step_m;
+    float step_m = min(advance_m, total - u);
     if (u < total && sigma > 0.0) {
-      float per = 1.0 / sigma;
+      float per = 1.0 / sigma, after = tau + sigma * step_m;
       if (tau == 0.0) knots[0] = u;
       for (int i = 1; i < 6; ++i) {
         float t = shadow_knot(i);
@@ -207,15 +218,14 @@ ShadowTexel merge(uvec4 old, uvec4 fresh, float share) {
 
 void main() {
   ShadowTileWork tile = tiles.at[push.first + gl_WorkGroupID.x];
-  ShadowMaps maps = cloud_shadow.data;
-  ShadowCascade cascade = maps.at[tile.cascade];
+  ShadowCascade cascade = cloud_shadow.data.at[tile.cascade];
   uint lane = gl_LocalInvocationIndex;
   uvec2 first = uvec2(tile.x, tile.y) * kShadowTile;
   if (lane < 8u) pieces[lane] = 0u;
   barrier();
   for (uint i = lane; i < 4u * cascade.slabs; i += 64u) {
     uint block = i & 3u, slab = i >> 2;
-    Flight f = ray_of(maps, cascade, vec2(first) + vec2(block & 1u, block >> 1) * 4.0 + 2.0);
+    Flight f = ray_of(cascade, vec2(first) + vec2(block & 1u, block >> 1) * 4.0 + 2.0);
     LightWay way = light_way(f, cascade);
     float total = way.first_m + way.second_m, slab_m = total / float(cascade.slabs);
     float log2_footprint = log2(max(max(4.0 * cascade.texel_m, 0.7 * slab_m), 1.0));
@@ -230,8 +240,8 @@ void main() {
     vec3 p = f.origin + f.dir * f.s;
     CloudWeather w = cloud_weather_at(p, here.up, log2_footprint);
     bool some = false;
-    for (uint k = 0u; k < CLOUD.caster_count; ++k)
-      if (may_hold(CLOUD.casters[k], w, p, here.up, here.height_m, heights, log2_footprint)) some = true;
+    for (uint l = 0u; l < LAYERS; ++l)
+      if (casts(l) && may_hold(l, w, p, here.up, here.height_m, heights, log2_footprint)) some = true;
     if (some && total > 0.0) atomicOr(pieces[2u * block + (slab >> 5)], 1u << (slab & 31u));
   }
   barrier();
@@ -244,8 +254,8 @@ void main() {
   float n = float(tile.round);
   vec2 inside = tile.round == 0u ? vec2(0.5) : fract(vec2(0.5) + n * vec2(0.7548777, 0.5698403));
   float jitter = tile.round == 0u ? 0.5 : fract(0.5 + n * 0.6180340);
-  uvec4 packed = shadow_pack(march_texel(maps, cascade, vec2(texel) + inside, todo, jitter));
-  ivec3 place = ivec3(shadow_place(cascade, texel, maps.resolution), tile.cascade);
+  uvec4 packed = shadow_pack(march_texel(cascade, vec2(texel) + inside, todo, jitter));
+  ivec3 place = ivec3(shadow_place(cascade, texel, cloud_shadow.data.resolution), tile.cascade);
   if (MERGE) packed = shadow_pack(merge(imageLoad(shadow_map, place), packed, 1.0 / (n + 1.0)));
   imageStore(shadow_map, place, packed);
 }

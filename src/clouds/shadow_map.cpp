@@ -18,6 +18,7 @@ constexpr uint32_t kTile = shared::kShadowTile;
 constexpr double kMargin = 1.06;          // of a new cascade over what it must serve, so that it lasts
 constexpr double kLargest = 1.4;          // a cascade this much larger than needed is made anew
 constexpr double kLowestGround_m = -600;  // no ground that is seen lies lower
+constexpr double kDetailHidden = 0.08;    // of the detail noise's period: texels that hide it
 constexpr uint32_t kMostGroups = 60000;   // of a dispatch
 
 struct MarchPush {
@@ -83,7 +84,7 @@ CloudShadowMaps::CloudShadowMaps(gpu::Device& device, const Clouds& clouds, cons
 
 void CloudShadowMaps::set_march(const March& march) {
   march_ = march;
-  pipelines_ = {};
+  pipelines_.clear();
   reset();
 }
 
@@ -205,7 +206,7 @@ std::vector<CloudShadowMaps::Candidate> CloudShadowMaps::plan(const FrameInfo& f
 }
 
 CloudShadowRefs CloudShadowMaps::add(FrameGraph& graph, const FrameInfo& frame, const CloudDensityRefs& density) {
-  std::vector<shared::ShadowTileWork> fresh, more;
+  std::map<std::array<uint32_t, 2>, std::vector<shared::ShadowTileWork>> marches;  // by detail, merging
   if (!cascades_.empty()) {
     aim(frame);
     std::vector<Candidate> candidates = plan(frame);
@@ -217,27 +218,32 @@ CloudShadowRefs CloudShadowMaps::add(FrameGraph& graph, const FrameInfo& frame, 
     uint32_t others = 0;
     for (const Candidate& c : candidates) {
       if (c.age_s < 1e30 && ++others > share) break;
-      (c.rounds > 0 ? more : fresh).push_back(c.tile);
+      marches[{detail_of(cascades_[c.tile.cascade]), c.rounds > 0 ? 1u : 0u}].push_back(c.tile);
+      ++work_.marched;
       Slot& slot = cascades_[c.tile.cascade].slots[c.slot];
       slot.time_s = frame.time_s;
       slot.rounds = c.rounds + 1;
     }
-    work_.marched = static_cast<uint32_t>(fresh.size() + more.size());
   }
   data_buffer_ = graph.constants("clouds.shadow_data", data_);
-  if (!fresh.empty()) add_march(graph, frame, density, fresh, false);
-  if (!more.empty()) add_march(graph, frame, density, more, true);
+  for (const auto& [kind, tiles] : marches) add_march(graph, frame, density, tiles, kind[0], kind[1] != 0);
   return {.data = data_buffer_, .map = graph.import(image_)};
 }
 
+/// Noises that a texel's size hides are left out, and their variance reckoned with.
+uint32_t CloudShadowMaps::detail_of(const Cascade& cascade) const {
+  if (march_.detail > 0) return march_.detail;
+  return cascade.texel_m < kDetailHidden * std::abs(clouds_.params().noise.detail.period_m) ? 3 : 2;
+}
+
 void CloudShadowMaps::add_march(FrameGraph& graph, const FrameInfo& frame, const CloudDensityRefs& density,
-                                const std::vector<shared::ShadowTileWork>& tiles, bool merge) {
+                                const std::vector<shared::ShadowTileWork>& tiles, uint32_t detail, bool merge) {
   const uint32_t phases = clouds_.phases_at(frame.time_s);
-  gpu::ComputePipeline& pipeline = pipelines_[phases - 1][merge ? 1 : 0];
+  gpu::ComputePipeline& pipeline = pipelines_[{phases, detail, merge ? 1u : 0u}];
   if (!pipeline) {
     std::vector<uint32_t> constants = clouds_.specialisation(phases);
     constants.resize(5);
-    constants.push_back(march_.detail);
+    constants.push_back(detail);
     constants.push_back(merge ? 1u : 0u);
     pipeline = gpu::ComputePipeline(
         device_, {.name = "clouds.shadow", .spirv = shadow_map_march_comp, .constants = std::move(constants)});

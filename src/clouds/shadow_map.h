@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -42,9 +43,9 @@ class CloudShadowMaps {
 
   /// How the march goes; for measurements.
   struct March {
-    uint32_t detail = 1;      ///< noises: 0 cells, 1 billows as well, 2 all
+    uint32_t detail = 0;      ///< noises: 1 billows, 2 turbulence as well, 3 all; 0: by the size of texels
     float step_scale = 1.0f;  ///< of its steps
-    bool mean = false;        ///< mean extinction of a footprint, instead of that of clumps
+    bool mean = true;         ///< mean extinction of a footprint; else that of its clumps
   };
   void set_march(const March& march);
   /// Forgets all maps.
@@ -75,7 +76,8 @@ class CloudShadowMaps {
   void fit(Cascade& cascade, const ShadowSlice& slice, const FrameInfo& frame, double& ahead_m) const;
   std::vector<Candidate> plan(const FrameInfo& frame);
   void add_march(FrameGraph& graph, const FrameInfo& frame, const CloudDensityRefs& density,
-                 const std::vector<shared::ShadowTileWork>& tiles, bool merge);
+                 const std::vector<shared::ShadowTileWork>& tiles, uint32_t detail, bool merge);
+  uint32_t detail_of(const Cascade& cascade) const;
   gpu::Device& device_;
   const Clouds& clouds_;
   CloudShadowParams params_;
@@ -85,7 +87,7 @@ class CloudShadowMaps {
   LightAxes axes_;
   std::vector<Cascade> cascades_;
   gpu::Image image_;
-  std::array<std::array<gpu::ComputePipeline, 2>, 2> pipelines_;  ///< by phases - 1, merging
+  std::map<std::array<uint32_t, 3>, gpu::ComputePipeline> pipelines_;  ///< by phases, detail, merging
   shared::ShadowMaps data_{};
   BufferRef data_buffer_;
   Work work_;
