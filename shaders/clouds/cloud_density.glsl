@@ -261,7 +261,7 @@ CloudMedium cloud_medium(uint l, float density, float level, float unknown, floa
   float sigma = CLOUD.layers[l].extinction_per_m * density * density_profile(CLOUD.layers[l].profile, eta);
   CloudMedium m = CloudMedium(0.0, 0.0, 0.0);
   m.mean_per_m = sigma * mean_ramp(level, CLOUD.layers[l].filter_width, spread);
-  float size_m = clamp(0.5 * footprint_m, 1.0, 0.42 * CLOUD.layers[l].thickness_m);
+  float size_m = clamp(0.5 * footprint_m, 1.0, 0.5 * CLOUD.layers[l].thickness_m);
   if (share > 1.0e-5) {
     float inside = m.mean_per_m / share;
     m.sigma_per_m = clumped_extinction(share, inside, size_m);

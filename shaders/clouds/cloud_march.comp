@@ -23,7 +23,7 @@ layout(set = 0, binding = 22, rgba32f) uniform writeonly image2D out_info;
 layout(set = 0, binding = 23) uniform sampler2DArray cloud_blue;
 
 const int kMaxSteps = 256;
-const int kSearchSteps = 6, kMarchSteps = 4;  // of one kind before the other has its turn
+const int kSearchSteps = 6, kMarchSteps = 8;  // of one kind before the other has its turn
 const int kModeSearch = 0, kModeAhead = 1, kModeMarch = 2;
 const int kPlaces = 8;              // readings of the weather map along a ray
 const int kMaxLights = 4;           // points of a ray that look for the sun
@@ -33,7 +33,9 @@ const float kDeepest = 8.0;         // optical depth at which the wide lobes are
 const float kLevelStep = 0.16;      // a level of -1 is about this many cells from a cloud, at least
 const float kColumn_m = 250.0;      // ground between two readings of the slow fields
 const float kSkyView = 0.3;         // as CloudOctave.view, for light of the sky and the ground
-const float kShapeReach = 0.60;     // most that billows add to a level, but for rare peaks
+const float kShapeReach = 1.15;     // most that billows add to a level, but for one place in three thousand
+const float kShapeStep = 0.13;      // with billows, a level of -1 is about so many sqrt(2500 m cell size) from a cloud
+const float kRough = 0.0006;        // standard deviation of the level halfway between two samples, per metre, of cells of 2500 m
 const float kBaseSlope = 0.04;      // steepest rise of a base that follows ground or weather
 
 // The stretches of the ray between the shells that hold all layers: [span.x, span.y] without the part [gap.x, gap.y] below
@@ -85,7 +87,9 @@ CloudWeather mix_weather(CloudWeather a, CloudWeather b, float u) {
 // Highest level that billows and what the footprint hides can make of a column's. (The steep cut at the base says nothing
 // about distance.)
 float cloud_reach(uint l, float level, float need, float eta, float unknown) {
-  return level + max(need - 1.0, 0.0) * smoothstep(0.03, 0.0, eta) + kShapeReach * CLOUD.layers[l].shape_amount * smoothstep(0.0, 0.25, eta) + 2.6 * sqrt(unknown);
+  return level + max(need - 1.0, 0.0) * smoothstep(0.03, 0.0, eta) + 
+         kShapeReach * CLOUD.layers[l].shape_amount * smoothstep(0.0, 0.25, eta) * (1.0 - 0.75 * anvil_share(eta, CLOUD.layers[l].anvil_amount)) +
+         2.6 * sqrt(unknown);
 }
 
 void main() {
@@ -120,7 +124,7 @@ void main() {
     float crossings = CLOUD.uniform_density > 0.0 ? 160.0 : mix(24.0, 12.0, coarse);  // steps through a layer, at least
     float blue = texelFetch(cloud_blue, ivec3(pixel & 63, int(frame.frame_data.frame_index & 15u)), 0).r;
     blue = fract(blue + 0.618034 * float((frame.frame_data.seed + frame.frame_data.frame_index / 16u) & 1023u));
-    float jitter = mix(0.7 * blue, 0.5, coarse);  // from far away the field is smooth: no noise wanted
+    float jitter = mix(mix(0.8, 1.0, blue), 0.9, coarse);  // of every step; from far away the field is smooth: no noise wanted
     float s = 0.0, end = span.y - span.x;         // along the ray from its entry: exact from any distance
     vec2 gap_s = gap - span.x;
 
@@ -157,6 +161,10 @@ void main() {
       }
     }
     CloudColumn lit = CloudColumn(0.0, 0.0, 0.0, vec3(0.0), 0.0, 0.0, 0.0);  // where light was last sent from
+    // The march's sample before: a stretch of the ray is between two samples, its level on a straight line between theirs.
+    float last_s = -1.0;  // below 0: there is none
+    uint last_dense = 0u;
+    vec4 last_level = vec4(0.0), last_eta = vec4(0.0);  // of each layer
 
     // Two loops take turns. One searches empty space by what is cheap to read and reads slow fields ahead; one marches through
     // what may be cloud. A software device runs the lanes of a group in step and pays for everything within a loop that any
@@ -164,19 +172,23 @@ void main() {
     uint dense = 0u;         // layers whose cloud may be here
     float safe_s = 0.0;      // up to here no other layer's can be
     int mode = kModeSearch;
-    while (steps < kMaxSteps && s < end) {
+    bool done = false;
+    while (steps < kMaxSteps && !done && (s < end || mode != kModeSearch)) {
       float place = sqrt(clamp(s / end, 0.0, 1.0)) * float(kPlaces - 1);
       int first = min(int(place), kPlaces - 2);
       CloudWeather weather0 = places[first], weather1 = places[first + 1];
       float u0 = float(first) / float(kPlaces - 1), u1 = float(first + 1) / float(kPlaces - 1);
       float weather_s = end * u0 * u0, weather_per_m = 1.0 / (end * (u1 * u1 - u0 * u0)), weather_end = end * u1 * u1;
 
-      for (int n = 0; n < kSearchSteps && mode != kModeMarch && s < end && (n == 0 || s < weather_end); ++n) {
+      for (int n = 0; n < kSearchSteps && mode != kModeMarch && (s < end || mode == kModeAhead) && (n == 0 || s < weather_end); ++n) {
         ++steps;
-        if (s >= gap_s.x && s < gap_s.y) s = gap_s.y;
+        if (mode == kModeSearch && s >= gap_s.x && s < gap_s.y) {
+          s = gap_s.y;
+          last_s = -1.0;
+        }
         float t = span.x + s;
         float fine = min(max(t * 0.02, shortest), max(cap, 2.0));
-        float at_s = mode == kModeSearch ? min(s + jitter * fine, end) : far_s;
+        float at_s = mode == kModeSearch ? s : far_s;
         float at = span.x + at_s;
         vec3 q = entry_q + scaled_dir * at_s;
         vec3 sq = vec3(q.xy, q.z * planet.a_over_b);
@@ -190,6 +202,7 @@ void main() {
 
         // Which layers are here, and how far the others.
         uint todo = dense;
+        bool in_layer = false;
         float step_m = 0.0;
         if (mode == kModeSearch) {
           float slope = GROUND || WEATHER != kWeatherUniform ? kBaseSlope : 1.0e-4;
@@ -219,6 +232,7 @@ void main() {
             shortest = next_shortest;
           }
           leap_m = max(leap_m, 2.0);
+          in_layer = todo != 0u;
           step_m = todo != 0u ? leap_m : max(leap_m, min(fine, 0.5 * cap));
           dense = 0u;
         }
@@ -254,16 +268,16 @@ void main() {
           far_s = near_s + column_m;
           safe_s = s + min(step_m, 2.0e4);
         } else {
-          s += step_m;
+          s += (in_layer ? jitter : 1.0) * step_m;
+          last_s = -1.0;
         }
       }
 
-      for (int n = 0; n < kMarchSteps && mode == kModeMarch && s < end; ++n) {
+      for (int n = 0; n < kMarchSteps && mode == kModeMarch; ++n) {
         ++steps;
         float t = span.x + s;
         float fine = min(max(t * 0.02, shortest), max(cap, 2.0));
-        float at_s = min(s + jitter * fine, end);  // stretches of the ray tile it exactly; each is sampled somewhere inside
-        float at = span.x + at_s;
+        float at_s = s, at = t;
         vec3 q = entry_q + scaled_dir * at_s;
         vec3 sq = vec3(q.xy, q.z * planet.a_over_b);
         float inv = inversesqrt(dot(sq, sq));
@@ -274,7 +288,10 @@ void main() {
         float log2_footprint = log2(footprint_m);
         float between = (at_s - near_s) / max(far_s - near_s, 1.0e-3);
         float step_m = max(safe_s - s, 2.0);
-        float sigma = 0.0, clump_depth = 0.0, unresolved = 0.0, level_here = 0.0, eta_here = 0.0, sigma_best = 0.0;
+        float sigma = 0.0, clump_depth = 0.0, eta_here = 0.0, sigma_best = 0.0;
+        if (last_s < 0.0) last_s = s;
+        float length_m = s - last_s;
+        float enter = 0.0;  // share of the stretch that is before the cloud
         vec4 sigmas = vec4(0.0);
         CloudColumn column;
         bool out_of_it = true;
@@ -288,52 +305,71 @@ void main() {
           float eta = cloud_eta(l, c, height_m);
           float unknown = c.unknown;
           float advance_m = fine;
+          bool first = length_m <= 0.0 || (last_dense & (1u << l)) == 0u;
+          float eta0 = first ? eta : last_eta[l], low = min(eta0, eta), high = max(eta0, eta);
+          last_eta[l] = eta;
           if (CLOUD.uniform_density > 0.0) {
-            float slab = eta >= 0.0 && eta <= 1.0 ? CLOUD.uniform_density * CLOUD.layers[l].extinction_per_m : 0.0;
+            float inside = high - low > 1.0e-6 ? max(min(high, 1.0) - max(low, 0.0), 0.0) / (high - low) : float(eta >= 0.0 && eta <= 1.0);
+            float slab = inside * CLOUD.uniform_density * CLOUD.layers[l].extinction_per_m;
             sigma += slab;
             sigmas[CLOUD.layers[l].slot] = slab;
             column = c;
-            level_here = 1.0;
-            if (slab > 0.0) out_of_it = false;
-          } else if (eta > 0.0 && eta < 1.0) {
-            float apart_m = kLevelStep * CLOUD.layers[l].cell_size_m;
+            if (eta >= 0.0 && eta <= 1.0) out_of_it = false;
+          } else {
+            float e = clamp(eta, 0.0, 1.0), size = sqrt(CLOUD.layers[l].cell_size_m / 2500.0);
             float level = cloud_cell_field(l, c, p, up, height_m, log2_footprint, unknown);
-            float need = cloud_need(l, c, eta);
+            float need = cloud_need(l, c, e);
             level -= cell_threshold(need, c.probit);
-            float reach = cloud_reach(l, level, need, eta, unknown);
+            bool between_faces = eta > 0.0 && eta < 1.0;
+            float reach = between_faces ? cloud_reach(l, level, need, e, unknown) : -1.0;
             if (reach > 0.0) {
               out_of_it = false;
-              CloudChurn churn = cloud_churn(l, p, up, eta, log2_footprint);
-              level += cloud_shape_level(l, c, churn, p, eta, log2_footprint, unknown);
-              if (level > -0.3 && level < 0.3 + CLOUD.layers[l].filter_width && transmittance > 0.1) level += cloud_detail_level(l, c, churn, p, eta, log2_footprint, unknown);
-              CloudMedium medium = cloud_medium(l, c.density, level, unknown, fine * 0.0006, eta, footprint_m);
-              if (medium.sigma_per_m > sigma_best) {
-                sigma_best = medium.sigma_per_m;
-                column = c;
-                main_layer = l;
-                level_here = level;
-                eta_here = eta;
-                clump_depth = medium.clump_depth;
-                unresolved = clamp(3.0 * unknown, 0.0, 1.0);
-              }
-              sigma += medium.sigma_per_m;
-              sigmas[CLOUD.layers[l].slot] = medium.sigma_per_m;
-              if (medium.sigma_per_m > 0.0)
-                advance_m = tau < 4.0 ? clamp(1.0 / medium.sigma_per_m, 0.4 * fine, fine) : 3.0 * fine;  // about one optical depth
-              else
-                advance_m = clamp(-level * apart_m, 0.4 * fine, 4.0 * fine);
-            } else {
+              CloudChurn churn = cloud_churn(l, p, up, e, log2_footprint);
+              level += cloud_shape_level(l, c, churn, p, e, log2_footprint, unknown);
+              if (level > -0.3 && level < 0.3 + CLOUD.layers[l].filter_width && transmittance > 0.1) level += cloud_detail_level(l, c, churn, p, e, log2_footprint, unknown);
+              advance_m = clamp(-level * kShapeStep * 2500.0 * size, 0.6 * fine, 8.0 * fine);
+            } else if (between_faces) {
+              float apart_m = kLevelStep * CLOUD.layers[l].cell_size_m;
               advance_m = clamp(-reach * apart_m, fine, max(fine, min(fine + 0.08 * t + 0.5 * apart_m, 0.1 * crossings * cap)));
             }
+            // The cut at the base is no slope: without it, and the part of the stretch below it counted off. (Far below 0 the
+            // level says nothing about where between the samples it passes 0.)
+            level = clamp(level + 40.0 * max(0.02 - e, 0.0), -0.6 - kShareReach * sqrt(unknown), 2.0);
+            float level0 = first ? level : last_level[l], rise = level - level0, middle = 0.5 * (level0 + level);
+            last_level[l] = level;
+            low = max(low, 0.02 - clamp(level, 0.0, 0.8) / 40.0);
+            float inside = abs(eta - eta0) > 1.0e-6 ? max(min(high, 1.0) - low, 0.0) / abs(eta - eta0) : float(eta >= low && eta < 1.0);
+            // Gauss's two points of the stretch. What is between samples is rougher than a line.
+            float blur = 0.15 * abs(rise) + min(kRough / size * length_m, 0.06) * (1.0 - coarse);
+            float eta_mid = clamp(0.5 * (eta0 + eta), 0.0, 1.0);
+            CloudMedium medium0 = cloud_medium(l, c.density, middle - 0.288675 * rise, unknown, blur, eta_mid, footprint_m);
+            CloudMedium medium = cloud_medium(l, c.density, middle + 0.288675 * rise, unknown, blur, eta_mid, footprint_m);
+            if (reach > 0.0 && level > 0.0)
+              advance_m = tau < 4.0 ? clamp(1.0 / max(medium.sigma_per_m, 1.0e-4), 0.4 * fine, fine) : 3.0 * fine;  // about one optical depth
+            float mean = 0.5 * inside * (medium0.sigma_per_m + medium.sigma_per_m);
+            if (mean > sigma_best) {
+              sigma_best = mean;
+              column = c;
+              main_layer = l;
+              eta_here = eta_mid;
+              clump_depth = max(medium0.clump_depth, medium.clump_depth);
+              enter = level0 < 0.0 && level > 0.0 ? -level0 / rise : 0.0;
+            }
+            sigma += mean;
+            sigmas[CLOUD.layers[l].slot] = mean;
           }
           step_m = min(step_m, advance_m);
           todo &= todo - 1u;
         } while (todo != 0u);
+        last_s = s;
+        last_dense = dense;
+        bool at_end = s >= end, at_gap = s >= gap_s.x && s < gap_s.y;
 
         if (sigma > 0.0) {
-          // The last stretch ends at the depth where the march does: its length must not show in the light.
-          step_m = min(min(step_m, (s < gap_s.x ? min(end, gap_s.x) : end) - s), (kDeepest - tau) / sigma + 0.01);
-          float d_tau = sigma * step_m;
+          // The last stretch ends at the depth where the march does.
+          float d_tau = min(sigma * length_m, kDeepest - tau + 1.0e-3);
+          float inner_m = length_m * (1.0 - enter);
+          at = t - inner_m + min(0.5 * inner_m, inner_m / max(d_tau, 1.0e-3));  // where most of what it sends is from
           float w = transmittance * (1.0 - exp(-d_tau));
           // Sunlight waits for its shadow; light that was scattered before is in the cells.
           pending += vec4(at * w, w * albedo, 0.0, 0.0);
@@ -368,16 +404,17 @@ void main() {
           tau += d_tau;
           transmittance *= exp(-d_tau);
         }
-        s += step_m;
-        if (out_of_it || s >= safe_s || (s >= gap_s.x && s < gap_s.y)) mode = kModeSearch;
+        s = min(s + jitter * step_m, s < gap_s.x ? min(end, gap_s.x) : end);
+        if (out_of_it || s >= safe_s || at_gap) mode = kModeSearch;
         else if (s + 0.5 * fine > far_s) {
           mode = kModeAhead;
           for (uint l = 0u; l < LAYERS; ++l) near[l] = far[l];
           near_s = far_s;
           far_s = max(far_s, s) + max(column_m, 2.0 * fine);
         }
-        if (tau >= kDeepest || s >= end) {
+        if (tau >= kDeepest || at_end) {
           s = end;
+          done = true;
           break;
         }
       }
