@@ -3,6 +3,7 @@
 // What a droplet in each seen cell would send to the camera of light that was scattered before: paths backwards from the cell.
 // The first direction is drawn from the true phase function; from there on the medium is the similarity-scaled one (delta-M,
 // Wiscombe 1977): the share f of scattering goes straight on, the rest has the asymmetry g*. docs/light.md has the derivation.
+// The same for the ground under each node: illuminance by scattered light, as shares of key light, sky light and lit ground.
 #include "clouds/clouds_shared.h"
 #include "common/frame.h"
 #include "common/random.h"
@@ -19,6 +20,10 @@ layout(scalar, set = 0, binding = 3) uniform LightBlock { CloudLightConstants da
 layout(scalar, set = 0, binding = 4) readonly buffer WorkBlock { LightWork data; } work;
 layout(scalar, set = 0, binding = 5) readonly buffer ListBlock { uint at[]; } list;
 layout(set = 0, binding = 6, rgba16f) uniform writeonly image3D out_cells;
+layout(set = 0, binding = 10) uniform sampler2D sky_tex;   // of light_sky.comp
+layout(set = 0, binding = 11) uniform sampler2D depth_m;
+layout(set = 0, binding = 12, rgba32f) uniform writeonly image2D out_ground;
+layout(constant_id = 0) const bool SURFACE = false;  // false: cells; true: what falls on the ground at the nodes
 layout(set = 0, binding = 9) uniform sampler3D most_tex;
 #define GROUND_MAP_BINDING 7  // and 8
 #include "terrain/ground_map.glsl"
@@ -33,10 +38,24 @@ float ground_distance(Flight f) {
   return distance_to_shell(f, scaled_height_from_geodetic(CLOUD_PLANET, q, ground_height_m(light.data.ground, normalize(q))));
 }
 
+// The sky's light from a direction, in shares of an even sky.
+float sky_share(vec3 up, vec3 dir, vec3 sun) {
+  float mu = clamp(dot(up, dir), 0.0, 1.0);
+  vec3 a = dir - up * dot(up, dir), b = sun - up * dot(up, sun);
+  float c = dot(a, b) * inversesqrt(max(dot(a, a) * dot(b, b), 1.0e-12));
+  return textureLod(sky_tex, vec2(acos(clamp(c, -1.0, 1.0)) / kPi, sqrt(mu)), 0.0).r;
+}
+
 void main() {
   uint item = gl_GlobalInvocationID.x;
-  if (item >= work.data.count) return;
-  uint cell = list.at[item];
+  uint cell = item;
+  if (SURFACE) {
+    if (item >= light.data.cells.nodes.x * light.data.cells.nodes.y) return;
+    cell = item * light.data.cells.slices;
+  } else {
+    if (item >= work.data.count) return;
+    cell = list.at[item];
+  }
   FrameConstants f = frame.frame_data;
   LightCells cells = light.data.cells;
   CloudGrid grid = light.data.grid;
@@ -47,8 +66,17 @@ void main() {
   vec3 sum = vec3(0.0);  // of the key light, of the sky, of the lit ground, 1/sr
   float valid = entry >= 0.0 ? 1.0 : 0.0;
   vec3 origin = dir * (max(entry, 0.0) + light_slice_m(cells, float(slice) + 0.5));
-  vec3 sun = f.key_dir;
+  vec3 sun = f.key_dir, normal = dir;
   float rest = 1.0 - light.data.forward_albedo;  // of the extinction, in the scaled medium
+  float distance_m = 0.0;
+  if (SURFACE) {
+    ivec2 pixel = min(ivec2((vec2(node) + 0.5) * vec2(f.size) / vec2(cells.nodes)), ivec2(f.size) - 1);
+    distance_m = texelFetch(depth_m, pixel, 0).r;
+    valid = distance_m < 0.5 * kFarDepth_m ? 1.0 : 0.0;
+    dir = pixel_direction(f, vec2(pixel) + 0.5);
+    normal = geodetic_up(f.planet, dir * distance_m);
+    origin = dir * distance_m + normal;
+  }
   Random random = random_stream(cell, light.data.frame_index, light.data.seed);
   vec2 shift = vec2(random_unit(random), random_unit(random));
 
@@ -65,7 +93,7 @@ void main() {
       if (path == cells.paths) break;
       // Stratified over the angle, golden steps about it.
       vec2 u = vec2((float(path) + shift.x) / float(cells.paths), fract(shift.y + 0.618034 * float(path)));
-      way = direction_about(dir, sample_dual_hg_cosine(CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight, u.x), u.y);
+      way = SURFACE ? sample_cosine_hemisphere(normal, u) : direction_about(dir, sample_dual_hg_cosine(CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight, u.x), u.y);
       start = origin;
       weight = 1.0;
       alive = begin = true;
@@ -97,7 +125,7 @@ void main() {
       float chance = random_unit(random), stay = 1.0;
       if (flight.s >= flight.end_m) {
         if (flight.end_m >= kFar_m) {
-          sum.y += weight / kPi;
+          sum.y += weight / kPi * sky_share(place_on(flight_from(flight.origin, flight.dir)).up, flight.dir, sun);
           alive = false;
         } else {
           flight.s = flight.end_m;
@@ -137,5 +165,13 @@ void main() {
     }
   }
   sum /= float(max(path, 1u));
-  imageStore(out_cells, ivec3(node, slice), vec4(sum, valid));
+  if (SURFACE) {
+    sum *= kPi;
+    // Light that went nearly straight on falls as if it came from the light itself.
+    float tau = grid_sun_depth(grid, origin, sun), mu = max(dot(normal, sun), 0.0);
+    sum.x += mu * (exp(-rest * tau) - exp(-tau));
+    imageStore(out_ground, ivec2(node), vec4(sum, distance_m));
+  } else {
+    imageStore(out_cells, ivec3(node, slice), vec4(sum, valid));
+  }
 }

@@ -58,6 +58,8 @@ struct LightWork {
 SHARED_CONST uint kMostReach = 2u;
 SHARED_CONST float kMostVoxels = 3.0f;
 
+SHARED_CONST uint kLightSkyTexels = 32u;  // along both sides of the table of light_sky.comp
+
 // Beam table: theta = pi u^2, u = 0..1 over kBeamTexels; rows of four orders.
 SHARED_CONST uint kBeamTexels = 512u;
 SHARED_CONST uint kBeamOrders = 8u;

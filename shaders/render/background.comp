@@ -15,6 +15,7 @@ layout(set = 0, binding = 3) uniform sampler2D normal;          // unit, ECEF ax
 layout(set = 0, binding = 4) uniform sampler2D emission;        // city lights, 0..1
 layout(set = 0, binding = 5) uniform sampler2D sun_visible_share;  // of the surface, through clouds
 layout(set = 0, binding = 6, rgba32f) uniform writeonly image2D background;
+layout(set = 0, binding = 15) uniform sampler2D cloud_light;  // of light_gather.comp, SURFACE
 #define ATMOSPHERE_BINDING 8
 #include "atmosphere/atmosphere_lookup.glsl"
 #define PIXEL_TILES_BINDING 7
@@ -24,6 +25,23 @@ layout(set = 0, binding = 6, rgba32f) uniform writeonly image2D background;
 // Constant 0 is the number of spectral groups.
 layout(constant_id = 1) const bool kNight = true;  // false: by day; stars and airglow are left out
 layout(push_constant, scalar) uniform PushBlock { BackgroundPush push; };
+
+// Illuminance of horizontal ground by light that clouds scattered, in shares of key light, sky light, and key light on the
+// ground: from the four nodes around the pixel, those the more whose ground is about as far away.
+vec3 cloud_light_shares(FrameConstants f, ivec2 pixel, float distance) {
+  vec2 at = (vec2(pixel) + 0.5) * vec2(push.light_nodes) / vec2(f.size) - 0.5;
+  vec2 low = floor(at), u = at - low;
+  vec4 sum = vec4(0.0);
+  for (int i = 0; i < 4; ++i) {
+    ivec2 node = clamp(ivec2(low) + ivec2(i & 1, i >> 1), ivec2(0), ivec2(push.light_nodes) - 1);
+    vec4 there = texelFetch(cloud_light, node, 0);
+    float apart = abs(there.a - distance) / distance;
+    float weight = ((i & 1) != 0 ? u.x : 1.0 - u.x) * ((i >> 1) != 0 ? u.y : 1.0 - u.y) + 1.0e-3;
+    weight = there.a < 0.5 * kFarDepth_m ? weight / (0.01 + apart) : 0.0;
+    sum += weight * vec4(there.rgb, 1.0);
+  }
+  return sum.a > 0.0 ? sum.rgb / sum.a : vec3(0.0, 1.0, 0.0);
+}
 
 // What leaves the surface towards the eye.
 vec3 surface_luminance(FrameConstants f, ivec2 pixel, vec3 dir, float distance, vec4 surface) {
@@ -36,6 +54,14 @@ vec3 surface_luminance(FrameConstants f, ivec2 pixel, vec3 dir, float distance, 
   float visibility = push.has_cloud_shadow != 0u ? texelFetch(sun_visible_share, pixel, 0).r : 1.0;
   vec3 key = key_illuminance(f, height, mu_key) * visibility;
   vec3 sky = sky_illuminance(f, height, up) + (kNight ? night_illuminance_lux() : vec3(0));
+  float sky_share = 1.0;
+  vec3 from_clouds = vec3(0.0);
+  if (push.light_nodes.x > 0u) {
+    vec3 shares = cloud_light_shares(f, pixel, distance);
+    sky_share = shares.y;
+    from_clouds = key_illuminance(f, height, mu_key) * (shares.x + shares.z * max(mu_key, 0.0));
+    sky = sky * sky_share + from_clouds;
+  }
   vec3 result;
   if (surface.a > 1.5) {
     // Water: the sky mirrored by a rough surface, the light's glint, and what little comes back from below.
@@ -44,7 +70,8 @@ vec3 surface_luminance(FrameConstants f, ivec2 pixel, vec3 dir, float distance, 
     // Seen flat, the visible facets lean towards the eye and mirror a higher part of the sky.
     vec3 mirrored = reflect(dir, up);
     mirrored = normalize(mirrored + up * sqrt(slopes) * (1.0 - cos_v));
-    vec3 reflected = mirrored_sky_luminance(f, up, mirrored) + (kNight ? night_illuminance_lux() / kPi : vec3(0));
+    // Clouds are mirrored as what they are on average.
+    vec3 reflected = (mirrored_sky_luminance(f, up, mirrored) + (kNight ? night_illuminance_lux() / kPi : vec3(0))) * sky_share + from_clouds / kPi;
     float fresnel = fresnel_rough(cos_v, 0.5 * slopes);
     vec3 body = water_body_albedo() * (key * max(mu_key, 0.0) + sky) * (1.0 / kPi);
     result = fresnel * reflected + (1.0 - fresnel) * body + key * sun_glint_per_sr(up, -dir, f.key_dir, slopes);

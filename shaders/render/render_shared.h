@@ -29,6 +29,7 @@ struct BackgroundPush {
   float night_light_cd_m2;      // luminance of city lights where the night picture is white
   uint has_cloud_shadow;        // 1: sun_visibility holds the clouds' transmittance towards the key light
   float ground_albedo;          // mean albedo around, for light from below
+  uvec2 light_nodes;            // of cloud_light; 0: light falls on the ground as under a clear sky
 };
 
 struct DiscsPush {

@@ -12,6 +12,8 @@
 #include "clouds/light_gather.comp.h"
 #include "clouds/light_list.comp.h"
 #include "clouds/light_mark.comp.h"
+#include "clouds/light_sky.comp.h"
+#include "clouds/light_smooth.comp.h"
 #include "gpu/commands.h"
 
 namespace nepho {
@@ -56,7 +58,7 @@ shared::CloudGrid grid_places(const Clouds& clouds, const shared::RegionMap& map
 
 }  // namespace
 
-CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds)
+CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups)
     : device_(device),
       clouds_(clouds),
       sun_(device, {.name = "clouds.grid_sun", .spirv = cloud_grid_sun_comp}),
@@ -65,7 +67,10 @@ CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds)
               gpu::ComputePipeline(device, {.name = "clouds.most_z", .spirv = cloud_grid_most_comp, .constants = {2}})},
       mark_(device, {.name = "clouds.light_mark", .spirv = light_mark_comp}),
       list_(device, {.name = "clouds.light_list", .spirv = light_list_comp}),
-      gather_(device, {.name = "clouds.light_gather", .spirv = light_gather_comp}) {
+      gather_(device, {.name = "clouds.light_gather", .spirv = light_gather_comp, .constants = {0}}),
+      gather_ground_(device, {.name = "clouds.light_ground", .spirv = light_gather_comp, .constants = {1}}),
+      smooth_(device, {.name = "clouds.light_smooth", .spirv = light_smooth_comp}),
+      sky_(device, {.name = "clouds.light_sky", .spirv = light_sky_comp, .constants = {spectral_groups}}) {
   beam_ = device.create_image({.name = "clouds.beam",
                                .extent = {shared::kBeamTexels, shared::kBeamOrders / 4},
                                .format = Format::rgba32f});
@@ -79,6 +84,9 @@ CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds)
   }
   none_ = device.create_image({.name = "clouds.no_light", .extent = {1, 1, 2}, .format = Format::rgba16f});
   uploads.push_back({.image = &none_, .bytes = std::span(zeros).first(16)});
+  const float one = 1.0f;
+  even_sky_ = device.create_image({.name = "clouds.even_sky", .extent = {1, 1}, .format = Format::r32f});
+  uploads.push_back({.image = &even_sky_, .bytes = std::as_bytes(std::span(&one, 1))});
   device.upload(uploads);
   renew(clouds.params());
 }
@@ -179,7 +187,7 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
                 .forward = frame.constants.forward};
   if (!traced_) {  // bound, never read
     const ImageRef none = graph.import(none_);
-    return {.data = data, .grid = none, .cells = none, .beam = graph.import(beam_)};
+    return {.data = data, .grid = none, .cells = none, .ground = {}, .nodes = {}, .beam = graph.import(beam_)};
   }
   if (!filled_ || !(key == key_)) {
     add_grid(graph, frame, in.density, data, constants.grid);
@@ -192,12 +200,12 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
   const BufferRef marks = graph.create_buffer("clouds.light_marks", uint64_t{words} * 4);
   const BufferRef work = graph.create_buffer("clouds.light_work", sizeof(shared::LightWork));
   const BufferRef list = graph.create_buffer("clouds.light_list", uint64_t{words} * 32 * 4);
-  const ImageRef out = graph.create(
-      "clouds.light_cells", {.extent = {cells.nodes.x, cells.nodes.y, cells.slices}, .format = Format::rgba16f});
+  const ImageDesc desc{.extent = {cells.nodes.x, cells.nodes.y, cells.slices}, .format = Format::rgba16f};
+  const ImageRef traced = graph.create("clouds.light_traced", desc), out = graph.create("clouds.light_cells", desc);
   auto clear = graph.pass("clouds.light_clear");
-  clear.zero("marks", marks).zero("work", work).fill("out_cells", out);
+  clear.zero("marks", marks).zero("work", work).fill("traced", traced).fill("out_cells", out);
   clear.record([](gpu::Commands& cmd) {
-    cmd.zero("marks").zero("work").fill("out_cells", 0.0f);
+    cmd.zero("marks").zero("work").fill("traced", 0.0f).fill("out_cells", 0.0f);
   });
   auto mark = graph.pass("clouds.light_mark");
   mark.uniform("frame", frame.buffer)
@@ -211,19 +219,55 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
   auto collect = graph.pass("clouds.light_list");
   collect.uniform("light", data).read("marks", marks).read_write("work", work).write("list", list);
   collect.record([this, words](gpu::Commands& cmd) { cmd.bind(list_).dispatch_threads(words); });
-  auto gather = graph.pass("clouds.light_gather");
-  gather.uniform("frame", frame.buffer)
+  ImageRef sky = graph.import(even_sky_);
+  if (in.atmosphere) {
+    sky = graph.create("clouds.light_sky",
+                       {.extent = {shared::kLightSkyTexels, shared::kLightSkyTexels}, .format = Format::r32f});
+    auto pass = graph.pass("clouds.light_sky");
+    pass.uniform("frame", frame.buffer).write("out_sky", sky);
+    AtmosphereTables::bind(pass, *in.atmosphere);
+    struct SkyPush {
+      glm::vec3 up;
+      float height_m;
+    };
+    const glm::vec3 up = normalize(glm::vec3(map.centre.x, map.centre.y,
+                                             map.centre.z * frame.constants.planet.a_over_b));
+    const SkyPush push{up, 0.5f * (clouds_.constants().hull_low_m + clouds_.constants().hull_high_m)};
+    pass.record([this, push](gpu::Commands& cmd) {
+      cmd.bind(sky_).push(push).dispatch_threads(shared::kLightSkyTexels, shared::kLightSkyTexels);
+    });
+  }
+  const ImageRef ground =
+      graph.create("clouds.light_ground", {.extent = {cells.nodes.x, cells.nodes.y}, .format = Format::rgba32f});
+  for (const bool surface : {false, true}) {
+    auto gather = graph.pass(surface ? "clouds.light_ground" : "clouds.light_gather");
+    gather.uniform("frame", frame.buffer)
+        .uniform("light", data)
+        .uniform("cloud", in.density.constants)
+        .sample("grid_tex", grid)
+        .sample("most_tex", graph.import(most_), Sampler::nearest_clamp)
+        .sample("sky_tex", sky)
+        .sample("depth_m", in.depth_m, Sampler::nearest_clamp)
+        .sample("ground_albedo_tex", in.ground_albedo ? in.ground_albedo : graph.import(no_albedo_))
+        .sample("ground_height_tex", in.ground_height ? in.ground_height : graph.import(no_height_))
+        .read("work", work)
+        .read("list", list)
+        .write("out_cells", traced)
+        .write("out_ground", ground);
+    const uint32_t threads = surface ? cells.nodes.x * cells.nodes.y : words * 32;
+    gather.record([this, surface, threads](gpu::Commands& cmd) {
+      cmd.bind(surface ? gather_ground_ : gather_).dispatch_threads(threads);
+    });
+  }
+  auto smooth = graph.pass("clouds.light_smooth");
+  smooth.uniform("frame", frame.buffer)
       .uniform("light", data)
-      .uniform("cloud", in.density.constants)
-      .sample("grid_tex", grid)
-      .sample("ground_albedo_tex", in.ground_albedo ? in.ground_albedo : graph.import(no_albedo_))
-      .sample("ground_height_tex", in.ground_height ? in.ground_height : graph.import(no_height_))
-      .sample("most_tex", graph.import(most_), Sampler::nearest_clamp)
       .read("work", work)
       .read("list", list)
+      .sample("in_cells", traced, Sampler::nearest_clamp)
       .write("out_cells", out);
-  gather.record([this, words](gpu::Commands& cmd) { cmd.bind(gather_).dispatch_threads(words * 32); });
-  return {.data = data, .grid = grid, .cells = out, .beam = graph.import(beam_)};
+  smooth.record([this, words](gpu::Commands& cmd) { cmd.bind(smooth_).dispatch_threads(words * 32); });
+  return {.data = data, .grid = grid, .cells = out, .ground = ground, .nodes = cells.nodes, .beam = graph.import(beam_)};
 }
 
 }  // namespace nepho

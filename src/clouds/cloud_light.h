@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 
+#include "atmosphere/atmosphere_tables.h"
 #include "clouds/cloud_density.h"
 #include "clouds/light_shared.h"
 #include "gpu/pipeline.h"
@@ -12,11 +13,13 @@ namespace nepho {
 class CloudLight {
  public:
   /// `clouds` must outlive it.
-  CloudLight(gpu::Device& device, const Clouds& clouds);
+  /// `spectral_groups`: AtmosphereTables::spectral_groups() of the tables that add() gets.
+  CloudLight(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups);
 
   struct Inputs {
     ImageRef depth_m;  ///< r32f: distance along the pixel's ray to the surface, m
     CloudDensityRefs density;
+    const AtmosphereTables::Refs* atmosphere = nullptr;  ///< without: an even sky
     shared::RegionMap ground{};             ///< of the two images below
     ImageRef ground_albedo, ground_height;  ///< as terrain/ground_map.glsl reads them; without: a black ellipsoid
   };
@@ -24,6 +27,9 @@ class CloudLight {
     BufferRef data;   ///< shared::CloudLightConstants
     ImageRef grid;    ///< rg16f, 3D: extinction, 1/m; optical depth to the key light (clouds/cloud_grid.glsl)
     ImageRef cells;   ///< rgba16f, 3D: shares of key light, sky light and lit ground, 1/sr, times validity; validity
+    ImageRef ground;  ///< rgba32f, a texel per node: illuminance of the ground by light that clouds scattered, as shares of
+                      ///< key light, sky light and key light on the ground; distance of the ground, m. Empty: octaves
+    glm::uvec2 nodes{0};
     ImageRef beam;    ///< rgba32f: shared::kBeamTexels wide (clouds/beam_table.h)
   };
   /// Fills grid and cells for a frame. The grid is kept while camera place, light and clock stay.
@@ -49,8 +55,8 @@ class CloudLight {
   std::array<gpu::ComputePipeline, 2> bake_;  ///< by phases - 1
   gpu::ComputePipeline sun_;
   std::array<gpu::ComputePipeline, 3> spread_;  ///< by axis
-  gpu::ComputePipeline mark_, list_, gather_;
-  gpu::Image extinction_, grid_, most_, beam_, no_albedo_, no_height_, none_;
+  gpu::ComputePipeline mark_, list_, gather_, gather_ground_, smooth_, sky_;
+  gpu::Image extinction_, grid_, most_, beam_, no_albedo_, no_height_, none_, even_sky_;
   float forward_share_ = 0.0f, wide_g_ = 0.0f, albedo_ = 1.0f;
   bool traced_ = true;  ///< false: octaves
   bool filled_ = false;

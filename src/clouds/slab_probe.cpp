@@ -169,7 +169,7 @@ struct MarchedSlabs::Parts {
       : device(gpu_device),
         face_px(px),
         clouds(device, params),
-        light{CloudLight(device, clouds), CloudLight(device, clouds)},
+        light{CloudLight(device, clouds, kSpectralGroups), CloudLight(device, clouds, kSpectralGroups)},
         march(device, clouds, kSpectralGroups),
         executor(device) {
     for (const SlabDirection& d : slab_directions()) directions.push_back(view_of(device, window_of(d), d.up));

@@ -13,7 +13,7 @@
 
 namespace nepho {
 
-static_assert(sizeof(shared::BackgroundPush) == 16);
+static_assert(sizeof(shared::BackgroundPush) == 24);
 
 BackgroundPass::BackgroundPass(gpu::Device& device, uint32_t spectral_groups)
     : device_(device), spectral_groups_(spectral_groups) {}
@@ -32,8 +32,10 @@ const gpu::ComputePipeline& BackgroundPass::pipeline(Kind kind, bool night) cons
 ImageRef BackgroundPass::add(FrameGraph& graph, const FrameInfo& frame, const AtmosphereParams& params,
                              const Inputs& in) const {
   const ImageRef out = graph.create("background", {.extent = frame.extent, .format = Format::rgba32f});
+  const Extent3D nodes = in.cloud_light ? graph.desc(in.cloud_light).extent : Extent3D{0, 0};
   const shared::BackgroundPush push{kWind_mps, in.terrain.emission ? kNightLight_cd_m2 : 0.0f,
-                                    in.sun_visibility ? 1u : 0u, static_cast<float>(params.ground_albedo)};
+                                    in.sun_visibility ? 1u : 0u, static_cast<float>(params.ground_albedo),
+                                    {nodes.width, nodes.height}};
   for (const bool sky_tiles : {false, true}) {
     const BufferRef tiles = sky_tiles ? in.terrain.sky_tiles : in.terrain.surface_tiles;
     auto pass = graph.pass(sky_tiles ? "background.sky" : "background.surface");
@@ -49,6 +51,7 @@ ImageRef BackgroundPass::add(FrameGraph& graph, const FrameInfo& frame, const At
         .sample("albedo", in.terrain.albedo, Sampler::nearest_clamp)
         .sample("normal", in.terrain.normal, Sampler::nearest_clamp)
         .sample("emission", in.terrain.emission ? in.terrain.emission : in.terrain.albedo, Sampler::nearest_clamp)
+        .sample("cloud_light", in.cloud_light ? in.cloud_light : in.terrain.depth_m, Sampler::nearest_clamp)
         .sample("sun_visible_share", in.sun_visibility ? in.sun_visibility : in.terrain.depth_m,
                 Sampler::nearest_clamp);
     pass.record([this, push, night = in.night](gpu::Commands& cmd) {

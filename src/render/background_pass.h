@@ -26,6 +26,7 @@ class BackgroundPass {
     bool has_sky_view = true;  ///< the atmosphere has sky views of the camera
     bool night = true;         ///< false: by day, when stars and airglow cannot be seen
     ImageRef sun_visibility;   ///< may be empty: no clouds
+    ImageRef cloud_light = {};  ///< CloudLight::Refs::ground; empty: the sky is clear, or clouds are lit by octaves
   };
   BackgroundPass(gpu::Device& device, uint32_t spectral_groups);
   ImageRef add(FrameGraph& graph, const FrameInfo& frame, const AtmosphereParams& params, const Inputs& in) const;

@@ -71,7 +71,7 @@ namespace {
 struct FrameOutputs {
   Terrain::Outputs terrain;
   NightSky::Refs night_sky;
-  ImageRef background, radiance, cloud, cloud_info, debug;
+  ImageRef background, radiance, cloud, cloud_info, shadow_layers, debug;
   ExposurePasses::Outputs exposure;
 };
 
@@ -171,45 +171,52 @@ RenderResult Renderer::render(const RenderRequest& request) {
                                       .sun_visibility = {}};
     CloudDensityRefs density;
     CloudShadowRefs shadow;
+    CloudLight::Refs light;
     if (p.clouds) {
       density = import_cloud_density(graph, frame, p.clouds->clouds);
+      p.clouds->ground.update(p.terrain.heights(), p.terrain.imagery(), p.clouds->light.region(frame));
+      const GroundMap::Refs ground = p.clouds->ground.import_into(graph);
+      light = p.clouds->light.add(graph, frame,
+                                  {.depth_m = out.terrain.depth_m,
+                                                          .density = density,
+                                   .atmosphere = &atmosphere,
+                                                          .ground = p.clouds->ground.map(),
+                                                          .ground_albedo = ground.albedo,
+                                                          .ground_height = ground.height_m});
+      background.cloud_light = light.ground;
       shadow = p.clouds->shadow_maps.add(graph, frame, density);
-      background.sun_visibility = p.clouds->shadow.add(graph, frame, out.terrain, density);
+      background.sun_visibility = p.clouds->shadow.add(graph, frame, out.terrain, shadow);
     }
     out.background = p.background.add(graph, frame, scene_.atmosphere, background);
     CloudMarchPass::Outputs marched;
     if (p.clouds) {
-      p.clouds->ground.update(p.terrain.heights(), p.terrain.imagery(), p.clouds->light.region(frame));
-      const GroundMap::Refs ground = p.clouds->ground.import_into(graph);
-      const CloudLight::Refs light = p.clouds->light.add(graph, frame,
-                                                         {.depth_m = out.terrain.depth_m,
-                                                          .density = density,
-                                                          .ground = p.clouds->ground.map(),
-                                                          .ground_albedo = ground.albedo,
-                                                          .ground_height = ground.height_m});
       marched = p.clouds->march.add(
           graph, frame,
           {.depth_m = out.terrain.depth_m, .atmosphere = atmosphere, .density = density, .light = light});
       out.cloud_info = marched.info;
     }
-    const ShaftPass::Outputs aired = p.shafts.add(
-        graph, frame, scene_.shafts, scene_.haze, shaft_method(scene_.shafts, scene_.render.quality),
-        {.depth_m = out.terrain.depth_m,
-         .background = out.background,
-         .cloud = marched.radiance,
-         .cloud_info = marched.info,
-         .atmosphere = atmosphere,
-         .shadow = shadow,
-         .cloud_top_m = p.clouds ? static_cast<double>(p.clouds->clouds.constants().hull_high_m) : 0.0,
-         .ground_m = p.terrain.ground_height_m(p.pose.at.lat_rad, p.pose.at.lon_rad),
-         .ground_albedo = scene_.atmosphere.ground_albedo,
-         .air = &p.atmosphere->uniform()});
+    const ShaftMethod method = shaft_method(scene_.shafts, scene_.render.quality);
+    const ShaftPass::Air air{.atmosphere = atmosphere,
+                             .uniform = &p.atmosphere->uniform(),
+                             .shadow = shadow,
+                             .cloud_top_m = p.clouds ? static_cast<double>(p.clouds->clouds.constants().hull_high_m) : 0.0,
+                             .ground_m = p.terrain.ground_height_m(p.pose.at.lat_rad, p.pose.at.lon_rad),
+                             .ground_albedo = scene_.atmosphere.ground_albedo};
+    const FroxelRefs froxels = method == ShaftMethod::froxel
+                                   ? p.shafts.add_froxels(graph, frame, scene_.shafts, scene_.haze, method, air, false)
+                                   : FroxelRefs{};
+    const ShaftPass::Outputs aired = p.shafts.add(graph, frame, scene_.shafts, scene_.haze, method, air,
+                                                  {.depth_m = out.terrain.depth_m,
+                                                   .background = out.background,
+                                                   .cloud = marched.radiance,
+                                                   .cloud_info = marched.info,
+                                                   .froxels = froxels});
     out.background = out.radiance = aired.background;
     out.cloud = aired.cloud;
     if (p.clouds) {
       out.radiance = p.composite.add(graph, frame, out.background, out.cloud);
       if (!request.debug.empty() && i == 0) {
-        out.debug = p.clouds->debug.add(graph, frame, request.debug, out.terrain.depth_m, density, marched);
+        out.debug = p.clouds->debug.add(graph, frame, request.debug, out.terrain.depth_m, density, marched, shadow);
         graph.keep(out.debug);
       }
     }
@@ -228,6 +235,13 @@ RenderResult Renderer::render(const RenderRequest& request) {
       if (p.clouds) {
         graph.keep(out.cloud);
         graph.keep(out.cloud_info);
+        out.shadow_layers = p.clouds->shadow.add_layers(graph, frame,
+                                                        {.depth_m = out.terrain.depth_m,
+                                                         .visibility = background.sun_visibility,
+                                                         .cloud_radiance = out.cloud,
+                                                         .cloud_info = out.cloud_info},
+                                                        shadow);
+        graph.keep(out.shadow_layers);
       }
     }
     p.executor.run(graph);
@@ -243,9 +257,11 @@ RenderResult Renderer::render(const RenderRequest& request) {
       if (p.clouds) {
         readback.cloud = p.executor.read<float>(out.cloud);
         readback.cloud_info = p.executor.read<float>(out.cloud_info);
+        readback.shadow = p.executor.read<float>(out.shadow_layers);
       } else {
         readback.cloud.assign(4 * pixels, 0.0f);
         readback.cloud_info.assign(4 * pixels, 0.0f);
+        readback.shadow.assign(2 * pixels, 1.0f);
         for (size_t k = 0; k < pixels; ++k) {
           readback.cloud[4 * k + 3] = 1.0f;
           readback.cloud_info[4 * k] = shared::kFarDepth_m;

@@ -28,11 +28,11 @@ struct Renderer::Parts {
   struct CloudParts {
     CloudParts(gpu::Device& device, const CloudParams& params, const WeatherSources& sources, uint32_t spectral_groups)
         : clouds(device, params, sources),
-          light(device, clouds),
+          light(device, clouds, spectral_groups),
           ground(device),
           march(device, clouds, spectral_groups),
-          shadow_maps(device, clouds, {}),
-          shadow(device, clouds),
+          shadow_maps(device, clouds, params.shadows),
+          shadow(device),
           debug(device, clouds) {}
     Clouds clouds;
     CloudLight light;

@@ -1,0 +1,38 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Averages each cell of light with those around it that are near in space: where cells are finer than light varies their paths
+// are shared.
+#include "common/frame.h"
+layout(local_size_x = 64) in;
+layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
+#include "clouds/light_cells.glsl"
+layout(scalar, set = 0, binding = 1) uniform LightBlock { CloudLightConstants data; } light;
+layout(scalar, set = 0, binding = 2) readonly buffer WorkBlock { LightWork data; } work;
+layout(scalar, set = 0, binding = 3) readonly buffer ListBlock { uint at[]; } list;
+layout(set = 0, binding = 4) uniform sampler3D in_cells;
+layout(set = 0, binding = 5, rgba16f) uniform writeonly image3D out_cells;
+
+const float kSmooth_m = 70.0;  // light inside clouds hardly changes within a scaled free path
+
+void main() {
+  uint item = gl_GlobalInvocationID.x;
+  if (item >= work.data.count) return;
+  LightCells cells = light.data.cells;
+  uint cell = list.at[item];
+  ivec3 size = ivec3(cells.nodes, cells.slices);
+  ivec3 at = ivec3(int((cell / cells.slices) % cells.nodes.x), int(cell / cells.slices / cells.nodes.x), int(cell % cells.slices));
+  FrameConstants f = frame.frame_data;
+  float entry = max(light_entry(f.planet, light.data.grid, light_node_direction(f, cells, uvec2(at.xy))), 0.0);
+  float s = light_slice_m(cells, float(at.z) + 0.5), slice_m = s * cells.growth + cells.first_m;
+  vec2 across_m = (entry + s) * 2.0 * vec2(length(f.right), length(f.up)) / vec2(cells.nodes);
+  vec3 spread = vec3(across_m, slice_m) / kSmooth_m;
+  vec3 side = exp(-0.5 * spread * spread);  // weights of the next cells along each axis
+  vec4 sum = vec4(0.0);
+  for (int n = 0; n < 27; ++n) {
+    ivec3 d = ivec3(n % 3, (n / 3) % 3, n / 9) - 1;
+    ivec3 there = at + d;
+    vec3 w = mix(vec3(1.0), side, abs(vec3(d)));
+    if (all(greaterThanEqual(there, ivec3(0))) && all(lessThan(there, size))) sum += (w.x * w.y * w.z) * texelFetch(in_cells, there, 0);
+  }
+  imageStore(out_cells, at, sum.a > 0.0 ? sum / sum.a : vec4(0.0));
+}
