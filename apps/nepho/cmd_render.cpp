@@ -29,8 +29,6 @@ std::set<std::string> parse_layers(const std::string& text, const std::vector<st
   std::set<std::string> layers;
   std::istringstream in(text);
   for (std::string name; std::getline(in, name, ',');) {
-    if (name == "surface.shadow" || name == "sun.transmittance")
-      throw fail(ErrorKind::usage, "--aov {}: not supported yet", name);
     if (!contains(known, name)) {
       const std::string nearest = nearest_name(name, known);
       throw fail(ErrorKind::usage, "--aov: '{}' is unknown; {}known: {}", name,
@@ -102,9 +100,12 @@ void RenderCommand::check_reference(const Scene& scene, const RenderOutputs& wan
   if (!reference && !wanted.resume.empty())
     throw fail(ErrorKind::usage, "--resume: the quality is {}; only --quality reference can go on",
                scene.render.quality);
-  for (const std::string& name : wanted.layers)
+  for (const std::string& name : wanted.layers) {
+    if (reference && (name == "surface.shadow" || name == "sun" || name == "sun.transmittance"))
+      throw fail(ErrorKind::usage, "--aov {}: comes from shadow maps, which --quality reference does not use", name);
     if (!reference && (name == "samples" || name.starts_with("variance")))
       throw fail(ErrorKind::usage, "--aov {}: written by --quality reference only", name);
+  }
 }
 
 void RenderCommand::run(const Program& program) const {

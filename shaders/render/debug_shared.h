@@ -9,6 +9,7 @@ SHARED_CONST uint kDebugDensity = 1u;
 SHARED_CONST uint kDebugLayers = 2u;
 SHARED_CONST uint kDebugSamples = 3u;
 SHARED_CONST uint kDebugSteps = 4u;
+SHARED_CONST uint kDebugShadows = 5u;
 
 // Turbo (Mikhailov 2019), polynomial fit, 0..1: dark blue, cyan, green, yellow, dark red. sRGB values.
 SHARED_FN vec3 turbo(float x) {

@@ -7,6 +7,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
 #define CLOUD_BINDING 1
 #include "clouds/cloud_density.glsl"
+#include "clouds/shadow_map.glsl"
 layout(set = 0, binding = 20) uniform sampler2D cloud_radiance;
 layout(set = 0, binding = 21) uniform sampler2D cloud_info;
 layout(set = 0, binding = 22) uniform sampler2D depth_m;
@@ -34,6 +35,19 @@ vec3 weather_color(vec3 dir, float surface_m) {
   return mix(c.rgb, vec3(1.0), 0.7 * c.a);
 }
 
+// The cascade that the surface's shadow comes from, as a colour, dark in the shadow; every other tile of it is paler.
+vec3 shadow_color(vec3 dir, float surface_m) {
+  bool sky = surface_m >= 0.5 * kFarDepth_m;
+  vec3 p = dir * (sky ? 0.0 : surface_m);
+  uint k = SHADOW.cascades > 0u ? shadow_cascade_at(p, length(p), 0u) : 0u;
+  vec3 color = vec3(0.6);
+  if (k < SHADOW.cascades) {
+    uvec2 tile = (uvec2(shadow_point(SHADOW.at[k], p).xy) + SHADOW.at[k].first) / kShadowTile;
+    color = layer_color(k) * ((tile.x + tile.y) % 2u == 0u ? 1.0 : 0.8);
+  }
+  return sky ? vec3(0.0) : color * (0.15 + 0.85 * cloud_sun_transmittance(p));
+}
+
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(pixel, ivec2(frame.frame_data.size)))) return;
@@ -46,5 +60,6 @@ void main() {
   if (push.view == kDebugLayers && info.z > 0.5) color = layer_color(uint(info.z - 0.5)) * (0.25 + 0.75 * opacity);
   if (push.view == kDebugSamples) color = turbo(samples / 256.0);
   if (push.view == kDebugSteps) color = turbo(steps / 256.0);
+  if (push.view == kDebugShadows) color = shadow_color(pixel_direction(frame.frame_data, vec2(pixel) + 0.5), texelFetch(depth_m, pixel, 0).r);
   imageStore(display, pixel, vec4(color, 1.0));
 }

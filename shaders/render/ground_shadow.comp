@@ -1,23 +1,39 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Share of the sun's light that clouds let through to the surface of every pixel.
+// Share of the key light that clouds let through to the surface of every pixel, from their shadow maps. The light's disc
+// blurs shadows by its own width times the way from the cloud: where the light is low that is many texels.
 #include "common/frame.h"
 layout(local_size_x = 16, local_size_y = 16) in;  // a tile
 layout(set = 0, binding = 0, scalar) uniform FrameBlock { FrameConstants frame_data; } frame;
-#define CLOUD_BINDING 1
-#include "clouds/cloud_shadow_march.glsl"
+#include "clouds/shadow_map.glsl"
 layout(set = 0, binding = 20) uniform sampler2D depth_m;
 layout(set = 0, binding = 21, r32f) uniform writeonly image2D sun_visibility;
 #define PIXEL_TILES_BINDING 22
 #include "common/pixel_tiles.glsl"
+
+const int kTaps = 8;
+
+// Mean over the light's disc as the point sees it through a layer of clouds at their middle height.
+float soft_transmittance(vec3 p) {
+  float climb = max(dot(geodetic_up(frame.frame_data.planet, p), SHADOW.light), 0.02);
+  float above_m = max(0.5 * (SHADOW.hull_low_m + SHADOW.hull_high_m) - geodetic_height(frame.frame_data.planet, p), 0.0);
+  float radius_m = min(above_m / climb, 60.0e3) * frame.frame_data.sun_angular_radius_rad;
+  // Bilinear reads are as wide as a texel already.
+  int taps = radius_m > 0.7 * SHADOW.at[0].texel_m ? kTaps : 1;
+  float sum = 0.0;
+  for (int i = 0; i < taps; ++i) {
+    // Points of equal area each, at golden angles (Vogel 1979).
+    float r = taps > 1 ? radius_m * sqrt((float(i) + 0.5) / float(kTaps)) : 0.0, a = 2.399963 * float(i);
+    sum += cloud_sun_transmittance(p + SHADOW.axis_x * (r * cos(a)) + SHADOW.axis_y * (r * sin(a)));
+  }
+  return sum / float(taps);
+}
+
 void main() {
   ivec2 pixel = ivec2(tile_pixel());
   if (any(greaterThanEqual(pixel, ivec2(frame.frame_data.size)))) return;
   float distance = texelFetch(depth_m, pixel, 0).r;
-  float visible = 1.0;
-  if (distance < 0.5 * kFarDepth_m) {
-    vec3 dir = pixel_direction(frame.frame_data, vec2(pixel) + 0.5);
-    visible = cloud_sun_transmittance(dir * distance);
-  }
-  imageStore(sun_visibility, pixel, vec4(visible));
+  bool surface = distance < 0.5 * kFarDepth_m;
+  float visible = soft_transmittance(pixel_direction(frame.frame_data, vec2(pixel) + 0.5) * (surface ? distance : 0.0));
+  imageStore(sun_visibility, pixel, vec4(surface ? visible : 1.0));
 }

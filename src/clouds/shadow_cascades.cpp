@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
 
 #include "geo/geodetic.h"
@@ -87,28 +88,54 @@ std::vector<uint8_t> tiles_in_view(const shared::FrameConstants& frame, const gl
     return std::clamp(static_cast<int>(std::ceil(2.0 * kWider * length(tangents) * far_m / grid.tile_m)), 4, 96) + 1;
   };
   const int columns = count(right), rows = count(up);
-  for (int j = 0; j < rows; ++j)
-    for (int i = 0; i < columns; ++i) {
-      const double x = kWider * (2.0 * i / (columns - 1) - 1.0), y = kWider * (2.0 * j / (rows - 1) - 1.0);
-      const glm::dvec3 dir = normalize(forward + x * right + y * up);
-      double outer_from = 0.0, outer_to = 0.0, inner_from = 0.0, inner_to = 0.0;
-      if (!meet_shell(q, scaled(dir), a + 1.0034 * high_m + 1.0, outer_from, outer_to)) continue;
-      const double from = std::max(near_m, outer_from);
-      double to = std::min(far_m, outer_to);
-      if (meet_shell(q, scaled(dir), a + 1.0034 * std::min(low_m, 0.0), inner_from, inner_to) && inner_from > 0.0)
-        to = std::min(to, inner_from);
-      if (from >= to) continue;
-      const double dx = dot(dir, axes.x), dy = dot(dir, axes.y);
-      const double across = std::hypot(dx, dy) * (to - from) / grid.tile_m;
-      const int steps = static_cast<int>(std::ceil(across)) + 1;
-      for (int k = 0; k <= steps; ++k) {
-        const double t = from + (to - from) * k / steps;
-        const auto tx = static_cast<int64_t>(std::floor((camera_x + t * dx) / grid.tile_m));
-        const auto ty = static_cast<int64_t>(std::floor((camera_y + t * dy) / grid.tile_m));
-        if (tx < 0 || ty < 0 || tx >= int64_t{side} || ty >= int64_t{side}) continue;
-        marks[static_cast<size_t>(ty) * side + static_cast<size_t>(tx)] = 1;
-      }
+  struct Ray {
+    bool hit = false;
+    double from = 0.0, to = 0.0;  // where it is in the shell
+  };
+  const auto mark_ray = [&](double x, double y) {
+    const glm::dvec3 dir = normalize(forward + x * right + y * up);
+    double outer_from = 0.0, outer_to = 0.0, inner_from = 0.0, inner_to = 0.0;
+    Ray ray;
+    if (!meet_shell(q, scaled(dir), a + 1.0034 * high_m + 1.0, outer_from, outer_to)) return ray;
+    ray.from = std::max(near_m, outer_from);
+    ray.to = std::min(far_m, outer_to);
+    if (meet_shell(q, scaled(dir), a + 1.0034 * std::min(low_m, 0.0), inner_from, inner_to) && inner_from > 0.0)
+      ray.to = std::min(ray.to, inner_from);
+    ray.hit = ray.from < ray.to;
+    if (!ray.hit) return ray;
+    const double dx = dot(dir, axes.x), dy = dot(dir, axes.y);
+    const double across = std::hypot(dx, dy) * (ray.to - ray.from) / grid.tile_m;
+    const int steps = static_cast<int>(std::ceil(across)) + 1;
+    for (int k = 0; k <= steps; ++k) {
+      const double t = ray.from + (ray.to - ray.from) * k / steps;
+      const auto tx = static_cast<int64_t>(std::floor((camera_x + t * dx) / grid.tile_m));
+      const auto ty = static_cast<int64_t>(std::floor((camera_y + t * dy) / grid.tile_m));
+      if (tx < 0 || ty < 0 || tx >= int64_t{side} || ty >= int64_t{side}) continue;
+      marks[static_cast<size_t>(ty) * side + static_cast<size_t>(tx)] = 1;
     }
+    return ray;
+  };
+  // Seen flat from far, the shell is passed in a small part of a step of y: halved until rays connect.
+  const std::function<void(double, double, double, const Ray&, const Ray&, int)> between =
+      [&](double x, double y0, double y1, const Ray& r0, const Ray& r1, int depth) {
+        const bool apart = r0.hit && r1.hit && (r1.from > r0.to + grid.tile_m || r0.from > r1.to + grid.tile_m);
+        if (depth == 0 || (r0.hit == r1.hit && !apart)) return;
+        const double y = 0.5 * (y0 + y1);
+        const Ray middle = mark_ray(x, y);
+        between(x, y0, y, r0, middle, depth - 1);
+        between(x, y, y1, middle, r1, depth - 1);
+      };
+  constexpr int kHalvings = 9;
+  for (int i = 0; i < columns; ++i) {
+    const double x = kWider * (2.0 * i / (columns - 1) - 1.0);
+    Ray last;
+    for (int j = 0; j < rows; ++j) {
+      const double y = kWider * (2.0 * j / (rows - 1) - 1.0);
+      const Ray ray = mark_ray(x, y);
+      if (j > 0) between(x, y - kWider * 2.0 / (rows - 1), y, last, ray, kHalvings);
+      last = ray;
+    }
+  }
   return widened(marks, side);
 }
 

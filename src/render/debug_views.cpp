@@ -20,10 +20,11 @@ uint32_t view_number(const std::string& view) {
 
 }  // namespace
 
-std::vector<std::string> known_debug_views() { return {"weather", "density", "layers", "samples", "steps"}; }
+std::vector<std::string> known_debug_views() { return {"weather", "density", "layers", "samples", "steps", "shadows"}; }
 
 ImageRef DebugViewPass::add(FrameGraph& graph, const FrameInfo& frame, const std::string& view, ImageRef depth_m,
-                            const CloudDensityRefs& density, const CloudMarchPass::Outputs& marched) const {
+                            const CloudDensityRefs& density, const CloudMarchPass::Outputs& marched,
+                            const CloudShadowRefs& shadow) const {
   const uint32_t number = view_number(view);
   if (!pipeline_)
     pipeline_ = gpu::ComputePipeline(
@@ -36,6 +37,7 @@ ImageRef DebugViewPass::add(FrameGraph& graph, const FrameInfo& frame, const std
       .sample("depth_m", depth_m, Sampler::nearest_clamp)
       .write("display", out);
   bind_density(pass, density);
+  bind_cloud_shadow(pass, shadow);
   pass.record([this, number, extent = frame.extent](gpu::Commands& cmd) {
     cmd.bind(pipeline_).push(number).dispatch_threads(extent.width, extent.height);
   });

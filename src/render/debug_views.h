@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "clouds/cloud_march_pass.h"
+#include "clouds/shadow_map.h"
 
 namespace nepho {
 
@@ -17,7 +18,8 @@ class DebugViewPass {
   /// `clouds` must outlive the pass.
   DebugViewPass(gpu::Device& device, const Clouds& clouds) : device_(device), clouds_(clouds) {}
   ImageRef add(FrameGraph& graph, const FrameInfo& frame, const std::string& view, ImageRef depth_m,
-               const CloudDensityRefs& density, const CloudMarchPass::Outputs& marched) const;
+               const CloudDensityRefs& density, const CloudMarchPass::Outputs& marched,
+               const CloudShadowRefs& shadow) const;
   /// Colour of a pixel without clouds, 0..255.
   static std::array<uint8_t, 3> clear_color(const std::string& view);
 

@@ -1,26 +1,34 @@
 #pragma once
-#include <array>
-
-#include "clouds/cloud_density.h"
+#include "clouds/shadow_map.h"
 #include "gpu/frame_info.h"
 #include "gpu/pipeline.h"
 #include "terrain/terrain.h"
 
 namespace nepho {
 
-/// Shadows of clouds on the surface, by a short march towards the sun at every pixel.
-/// Reads the surface's depth and the cloud density. Writes the share of sunlight that arrives, r32f.
+/// Shadows of clouds on the surface of every pixel. Reads the surface's depth and the clouds' shadow maps. Writes the
+/// share of the key light that arrives, r32f.
 class GroundShadowPass {
  public:
-  /// `clouds` must outlive the pass.
-  GroundShadowPass(gpu::Device& device, const Clouds& clouds) : device_(device), clouds_(clouds) {}
+  explicit GroundShadowPass(gpu::Device& device);
   ImageRef add(FrameGraph& graph, const FrameInfo& frame, const Terrain::Outputs& terrain,
-               const CloudDensityRefs& density) const;
+               const CloudShadowRefs& shadow) const;
+
+  struct Shown {
+    ImageRef depth_m;         ///< of the surface
+    ImageRef visibility;      ///< what add() gave
+    ImageRef cloud_radiance;  ///< as CloudMarchPass gives them
+    ImageRef cloud_info;
+  };
+  /// For pictures with layers, rg32f, in every pixel: the share of the key light that clouds let through to the surface
+  /// (1 in the sky), and to what hides more than half of it: the clouds at their mean depth.
+  ImageRef add_layers(FrameGraph& graph, const FrameInfo& frame, const Shown& shown,
+                      const CloudShadowRefs& shadow) const;
 
  private:
   gpu::Device& device_;
-  const Clouds& clouds_;
-  mutable std::array<gpu::ComputePipeline, 2> pipeline_;  ///< by phases - 1, made when a frame needs it
+  gpu::ComputePipeline pipeline_;
+  mutable gpu::ComputePipeline layers_;  ///< made when a frame needs it
 };
 
 }  // namespace nepho

@@ -66,6 +66,7 @@ const std::vector<std::string>& known_layers() {
                                                  "surface.G",
                                                  "surface.B",
                                                  "surface.mask",
+                                                 "surface.shadow",
                                                  "albedo",
                                                  "albedo.R",
                                                  "albedo.G",
@@ -78,6 +79,8 @@ const std::vector<std::string>& known_layers() {
                                                  "cloud.optical_depth",
                                                  "cloud.depth_m",
                                                  "cloud.layer",
+                                                 "sun",
+                                                 "sun.transmittance",
                                                  "variance",
                                                  "variance.R",
                                                  "variance.G",
@@ -106,6 +109,10 @@ ImageBuffer make_output_layers(const FrameReadback& frame, const CameraPose& pos
   if (want_some("surface")) {
     add_rgb(out, "surface.", frame.background);
     add_channel(out, "surface.mask", [&](size_t i) { return std::round(frame.albedo[4 * i + 3]); });
+  }
+  if (!frame.shadow.empty()) {
+    if (want_some("surface")) add_channel(out, "surface.shadow", [&](size_t i) { return frame.shadow[2 * i]; });
+    if (want_some("sun")) add_channel(out, "sun.transmittance", [&](size_t i) { return frame.shadow[2 * i + 1]; });
   }
   if (want_some("albedo")) add_rgb(out, "albedo.", frame.albedo);
   if (want_some("cloud")) {

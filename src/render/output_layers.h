@@ -18,6 +18,8 @@ struct FrameReadback {
   std::vector<float> albedo;      ///< RGBA; a: 0 sky, 1 land, 2 water
   std::vector<float> cloud;       ///< RGBA: premultiplied radiance, transmittance
   std::vector<float> cloud_info;  ///< RGBA: depth_m, optical depth, layer, -
+  std::vector<float> shadow;      ///< RG: share of the key light that clouds let through to the surface, and to what is
+                                  ///< seen; of quality reference empty
   std::vector<float> variance;    ///< RGBA, of quality reference: variance of the pixel's mean; paths. Else empty
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "scene/field_ranges.h"
+#include "scene/shadow_fields.h"
 
 namespace nepho {
 
@@ -408,6 +409,7 @@ void describe(FieldVisitor& v, CloudParams& p) {
                }});
   v.group({.name = "weather", .doc = "where the large-scale weather comes from"}, [&] { describe(v, p.weather); });
   v.group({.name = "noise", .doc = "the textures that give clouds their form"}, [&] { describe(v, p.noise); });
+  v.group({.name = "shadows", .doc = "shadow maps of the clouds"}, [&] { describe(v, p.shadows); });
   describe_light(v, p);
   v.leaf({.name = "uniform_density",
           .doc = "above 0 the first layer is an even slab of this density, for tests of the march",

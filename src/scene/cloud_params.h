@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "scene/shadow_params.h"
+
 namespace nepho {
 
 /// Density over the relative height eta (0 the base, 1 the top): exp_term * exp(exponent * eta) + linear_term * eta +
@@ -91,6 +93,7 @@ struct CloudParams {
   std::vector<CloudLayer> layers = {CloudLayer{}};  ///< up to four, marched together
   WeatherParams weather;
   CloudNoiseParams noise;
+  CloudShadowParams shadows;
   double scattering_per_m = 0.04;      ///< scattering coefficient at density 1, 1/m, >= 0
   double absorption_per_m = 0.0;       ///< absorption coefficient at density 1, 1/m, >= 0
   double phase_g_forward = 0.85;       ///< forward Henyey-Greenstein lobe, (-1, 1)
