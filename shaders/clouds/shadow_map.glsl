@@ -44,7 +44,7 @@ float shadow_read(uint k, vec3 p_cam, vec2 shift) {
   at.xy += shift - 0.5;
   vec2 whole = floor(at.xy), part = at.xy - whole;
   uvec2 low = uvec2(clamp(whole, vec2(0.0), vec2(float(SHADOW.resolution) - 2.0)));
-  float x = clamp(at.z, 0.0, 65535.0), sum = 0.0, depth = 0.0;
+  float x = clamp(at.z, 0.0, 65535.0), sum = 0.0, depth = 0.0, behind = 0.0;
   for (uint i = 0u; i < 4u; ++i) {
     uvec2 corner = uvec2(i & 1u, i >> 1);
     uvec4 texel = texelFetch(cloud_shadow_map, ivec3(shadow_place(c, low + corner, SHADOW.resolution), k), 0);
@@ -52,9 +52,11 @@ float shadow_read(uint k, vec3 p_cam, vec2 shift) {
     float tau = shadow_depth_at(texel, x);
     sum += w.x * w.y * exp(-tau);
     depth += w.x * w.y * tau;
+    if (x > float(texel.w >> 16u)) behind += w.x * w.y;
   }
-  // Means of transmittances are too bright at slanting faces of clouds, means of optical depths too dark at rims: half of each.
-  return 0.5 * (sum + exp(-depth));
+  // Means of transmittances are too bright inside clouds, at their slanting faces; means of optical depths are too dark behind
+  // them, at their rims: there, half of each.
+  return mix(exp(-depth), sum, 0.5 * behind);
 }
 
 // Where no map is: the mean below the clouds, nothing above them.

@@ -15,7 +15,7 @@ layout(scalar, set = 0, binding = 21) readonly buffer TileBlock { ShadowTileWork
 layout(set = 0, binding = 22, rgba32ui) uniform uimage2DArray shadow_map;
 layout(constant_id = 5) const uint DETAIL = 1u;   // noises besides the fields: 1 billows, 2 turbulence as well, 3 all
 layout(constant_id = 6) const bool MERGE = false; // the mean with what the texels hold already
-layout(push_constant, scalar) uniform PushBlock { uint first; float step_scale; uint use_mean; } push;
+layout(push_constant, scalar) uniform PushBlock { uint first; float step_scale; uint use_mean; float footprint; } push;
 
 const float kSunwards_m = 60.0e3;  // clouds further towards the light than this from everything in view are left out
 const float kBillowReach = 0.60;   // most that billows add to a level, but for rare peaks
@@ -103,7 +103,7 @@ ShadowTexel march_texel(ShadowCascade cascade, vec2 texel, uvec2 todo, float jit
   Flight f = ray_of(cascade, texel);
   LightWay way = light_way(f, cascade);
   float total = way.first_m + way.second_m, slab_m = total / float(cascade.slabs);
-  float log2_footprint = log2(max(cascade.texel_m, 1.0));
+  float footprint_m = max(push.footprint * cascade.texel_m, 1.0), log2_footprint = log2(footprint_m);
   CloudWeather w0, w1;
   for (int i = 0; i < 2; ++i) {
     vec3 p = f.origin + f.dir * way_z(way, float(i) * total);
@@ -135,7 +135,7 @@ ShadowTexel march_texel(ShadowCascade cascade, vec2 texel, uvec2 todo, float jit
       if (!casts(l)) continue;
       CloudColumn c = cloud_column(l, w, p, here.up, here.height_m, log2_footprint);
       float eta = cloud_eta(l, c, here.height_m);
-      float own = clamp(0.7 * cascade.texel_m, CLOUD.layers[l].step_m, max(ray_over(CLOUD.layers[l].thickness_m, climb) * 0.1, CLOUD.layers[l].step_m)) * (1.5 * push.step_scale);
+      float own = clamp(0.7 * cascade.texel_m, CLOUD.layers[l].step_m, max(ray_over(CLOUD.layers[l].thickness_m, climb) * 0.1, CLOUD.layers[l].step_m)) * (1.2 * push.step_scale);
       float unknown = c.unknown;
       float level = cloud_cell_field(l, c, p, here.up, here.height_m, log2_footprint, unknown);
       level -= cell_threshold(cloud_need(l, c, clamp(eta, 0.0, 1.0)), c.probit);
@@ -144,7 +144,7 @@ ShadowTexel march_texel(ShadowCascade cascade, vec2 texel, uvec2 todo, float jit
       level += cloud_shape_level(l, c, churn, p, eta, log2_footprint, unknown);
       if (DETAIL > 2u) level += cloud_detail_level(l, c, churn, p, eta, log2_footprint, unknown);
       else unknown += kDetailWeight * kDetailWeight * CLOUD.layers[l].detail_amount * CLOUD.layers[l].detail_amount;
-      CloudMedium medium = cloud_medium(l, c.density, level, unknown, 0.0, eta, cascade.texel_m);
+      CloudMedium medium = cloud_medium(l, c.density, level, unknown, 0.0, eta, footprint_m);
       float s = push.use_mean != 0u ? medium.mean_per_m : medium.sigma_per_m;
       if (eta > 0.0 && eta < 1.0) {
         sigma += s;

@@ -10,7 +10,8 @@
 namespace nepho {
 namespace {
 
-constexpr double kFadeFrom = 0.88;  // of a slice's far end
+constexpr double kFadeFrom = 0.88;      // of a slice's far end
+constexpr double kLastFadeFrom = 0.97;  // of the range
 
 /// Distances at which a ray from outside or inside meets the ellipsoid raised by a scaled height; false: never.
 bool meet_shell(const glm::dvec3& q, const glm::dvec3& d, double radius_m, double& from, double& to) {
@@ -40,7 +41,8 @@ std::vector<ShadowSlice> shadow_slices(const CloudShadowParams& params, double n
     const double logarithmic = near_m * std::pow(far_m / near_m, u), uniform = near_m + (far_m - near_m) * u;
     slices[i].far_m = share * logarithmic + (1.0 - share) * uniform;
     slices[i].near_m = i == 0 ? first : slices[i - 1].fade_m;
-    slices[i].fade_m = std::max(kFadeFrom * slices[i].far_m, slices[i].near_m);
+    const double from = i + 1 < params.cascades ? kFadeFrom : kLastFadeFrom;
+    slices[i].fade_m = std::max(from * slices[i].far_m, slices[i].near_m);
   }
   return slices;
 }

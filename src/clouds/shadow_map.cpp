@@ -25,6 +25,7 @@ struct MarchPush {
   uint32_t first;
   float step_scale;
   uint32_t use_mean;
+  float footprint;
 };
 
 /// Mean share of the key light that reaches the ground, for where no map is.
@@ -258,7 +259,7 @@ void CloudShadowMaps::add_march(FrameGraph& graph, const FrameInfo& frame, const
   pass.record([this, &pipeline, count = static_cast<uint32_t>(tiles.size())](gpu::Commands& cmd) {
     cmd.bind(pipeline);
     for (uint32_t first = 0; first < count; first += kMostGroups)
-      cmd.push(MarchPush{first, march_.step_scale, march_.mean ? 1u : 0u})
+      cmd.push(MarchPush{first, march_.step_scale, march_.mean ? 1u : 0u, march_.footprint})
           .dispatch_threads(64 * std::min(kMostGroups, count - first));
   });
 }
