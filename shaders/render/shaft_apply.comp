@@ -10,21 +10,32 @@ layout(set = 0, binding = 1) uniform sampler2D depth_m;
 layout(set = 0, binding = 2) uniform sampler2D cloud_info;
 layout(set = 0, binding = 3) uniform sampler2D near_tex;
 layout(set = 0, binding = 4) uniform sampler2D far_tex;
-layout(set = 0, binding = 5) uniform sampler2D cloud_tex;
-layout(set = 0, binding = 6) uniform sampler2D depths_tex;
+layout(set = 0, binding = 5) uniform sampler2D cloud_near_tex;
+layout(set = 0, binding = 6) uniform sampler2D cloud_far_tex;
+layout(set = 0, binding = 11) uniform sampler2D depths_tex;
 layout(set = 0, binding = 7) uniform sampler2D background;
 layout(set = 0, binding = 8) uniform sampler2D cloud_radiance;
 layout(set = 0, binding = 9, rgba32f) uniform writeonly image2D out_background;
 layout(set = 0, binding = 10, rgba32f) uniform writeonly image2D out_cloud;
 layout(push_constant, scalar) uniform PushBlock { ShaftApplyPush push; };
 
+// What a block says of a distance: between its nearest and its farthest one, where there is one between; else in proportion, and with less
+// weight.
+vec4 change_at(vec4 nearest, vec4 farthest, vec2 depths, float distance_m, out float weight) {
+  float at = shaft_depth(distance_m), from = shaft_depth(depths.x), to = shaft_depth(depths.y);
+  vec4 change = mix(nearest, farthest, clamp((at - from) / max(to - from, 1.0e-6), 0.0, 1.0));
+  float inside = clamp(at, from, to), off = at - inside;
+  weight = 1.0 / (1.0 + 1.0e4 * off * off);
+  change.rgb *= clamp(at / max(inside, 1.0e-4), 0.5, 2.0);
+  return change;
+}
+
 void main() {
   FrameConstants f = frame.frame_data;
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(pixel, ivec2(f.size)))) return;
-  float distance = shaft_depth(min(texelFetch(depth_m, pixel, 0).r, kFarDepth_m));
+  float distance_m = min(texelFetch(depth_m, pixel, 0).r, kFarDepth_m);
   vec4 info = texelFetch(cloud_info, pixel, 0);
-  float cloud_distance = shaft_depth(info.x);
   vec2 place = (vec2(pixel) + 0.5) / float(push.downscale) - 0.5;
   ivec2 low = ivec2(floor(place)), last = textureSize(depths_tex, 0) - 1;
   vec2 part = place - vec2(low);
@@ -34,19 +45,15 @@ void main() {
     ivec2 corner = ivec2(i & 1, i >> 1);
     ivec2 at = clamp(low + corner, ivec2(0), last);
     vec2 w = mix(1.0 - part, part, vec2(corner));
-    float weight = w.x * w.y + 1.0e-4;
+    float share = w.x * w.y + 1.0e-4, weight;
     vec4 depths = texelFetch(depths_tex, at, 0);
-    float nearest = shaft_depth(depths.x), farthest = shaft_depth(depths.y);
-    // Between the block's nearest and farthest surface; blocks that have nothing at this distance count little.
-    float u = clamp((distance - nearest) / max(farthest - nearest, 1.0e-6), 0.0, 1.0);
-    float off = distance - clamp(distance, nearest, farthest);
-    float w_behind = weight / (1.0 + 1.0e4 * off * off);
-    behind += w_behind * mix(texelFetch(near_tex, at, 0), texelFetch(far_tex, at, 0), u);
-    behind_weight += w_behind;
-    off = cloud_distance - shaft_depth(depths.z);
-    float w_cloud = depths.z > 0.0 ? weight / (1.0 + 1.0e4 * off * off) : 0.0;
-    cloud += w_cloud * texelFetch(cloud_tex, at, 0);
-    cloud_weight += w_cloud;
+    vec4 change = change_at(texelFetch(near_tex, at, 0), texelFetch(far_tex, at, 0), depths.xy, distance_m, weight);
+    behind += share * weight * change;
+    behind_weight += share * weight;
+    change = change_at(texelFetch(cloud_near_tex, at, 0), texelFetch(cloud_far_tex, at, 0), depths.zw, info.x, weight);
+    if (depths.w <= 0.0) weight = 0.0;
+    cloud += share * weight * change;
+    cloud_weight += share * weight;
   }
   behind /= behind_weight;
   vec3 seen = texelFetch(background, pixel, 0).rgb;

@@ -1,19 +1,20 @@
-// One ray for a block of pixels: what shade and haze change up to the nearest and the farthest surface of the block, and up to its clouds.
+// One ray for a block of pixels: what shade and haze change up to the nearest and the farthest surface of the block, and up to its nearest and
+// farthest cloud.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 20) uniform sampler2D depth_m;
 layout(set = 0, binding = 21) uniform sampler2D cloud_info;  // x: mean depth, m; z: layer, 0 without clouds
 layout(set = 0, binding = 22, rgba32f) uniform writeonly image2D out_near;   // rgb change, a transmittance of the haze
 layout(set = 0, binding = 23, rgba32f) uniform writeonly image2D out_far;
-layout(set = 0, binding = 24, rgba32f) uniform writeonly image2D out_cloud;
-layout(set = 0, binding = 25, rgba32f) uniform writeonly image2D out_depths;  // nearest, farthest, clouds' (0: none), m
+layout(set = 0, binding = 24, rgba32f) uniform writeonly image2D out_cloud_near;
+layout(set = 0, binding = 25, rgba32f) uniform writeonly image2D out_cloud_far;
+layout(set = 0, binding = 27, rgba32f) uniform writeonly image2D out_depths;     // of the four, m; clouds' 0: there is none
 layout(push_constant, scalar) uniform PushBlock { ShaftMarchPush push; };
 
 void main() {
   FrameConstants f = frame.frame_data;
   ivec2 block = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(block * int(push.downscale), ivec2(f.size)))) return;
-  vec3 depths = vec3(kFarDepth_m, 0.0, 0.0);
-  float cloudy = 0.0;
+  vec4 depths = vec4(kFarDepth_m, 0.0, kFarDepth_m, 0.0);
   vec3 centre = vec3(0.0);  // of the farthest pixels: a ray to the sky must not meet the ground
   ivec2 first = block * int(push.downscale), last = min(first + int(push.downscale), ivec2(f.size));
   for (int y = first.y; y < last.y; ++y)
@@ -23,39 +24,36 @@ void main() {
       vec3 seen = vec3(float(x) + 0.5, float(y) + 0.5, 1.0);
       centre = d > 1.1 * depths.y ? seen : centre + (d > 0.9 * depths.y ? seen : vec3(0.0));
       depths.xy = vec2(min(depths.x, d), max(depths.y, d));
-      bool cloud = push.has_clouds != 0u && info.z > 0.0;
-      depths.z += cloud ? info.x : 0.0;
-      cloudy += cloud ? 1.0 : 0.0;
+      if (push.has_clouds != 0u && info.z > 0.0) depths.zw = vec2(min(depths.z, info.x), max(depths.w, info.x));
     }
-  depths.z /= max(cloudy, 1.0);
+  depths.z = min(depths.z, depths.w);
   AIR_BLOCK(block)
   vec3 dir = pixel_direction(f, centre.xy / centre.z);
   AirMarch m = start_air_march(dir);
   StepPlan plan;
-  bool meets = shaft_stretch(m, max(depths.y, depths.z), plan);
-  vec3 targets = vec3(depths.x, depths.y, depths.z);
-  vec3 target_t = vec3(1.0);
-  mat3 change = mat3(0.0), clear = mat3(0.0);
+  bool meets = shaft_stretch(m, max(depths.y, depths.w), plan);
+  vec4 target_t = vec4(1.0);
+  mat4x3 change = mat4x3(0.0), clear = mat4x3(0.0);
   if (meets) {
     if (HAZE > 0u) {
       vec3 unused;
       vec3 before = aerial_perspective(f, dir, plan.cut_m.x, 0.0, unused);
-      for (int k = 0; k < 3; ++k) {
-        target_t[k] = targets[k] > plan.cut_m.x ? exp(-haze_depth_to(m, min(targets[k], m.end_m))) : 1.0;
+      for (int k = 0; k < 4; ++k) {
+        target_t[k] = depths[k] > plan.cut_m.x ? exp(-haze_depth_to(m, min(depths[k], m.end_m))) : 1.0;
         clear[k] = before;
       }
     }
-    // Rays of a 4 x 4 square of blocks take different points: their mean is that of 16 times as many.
-    float shift = 0.5;
-    if (push.jitter != 0u) {
-      ivec2 q = block & 3;
-      int order = ((q.x ^ q.y) & 1) * 8 + (q.y & 1) * 4 + (((q.x ^ q.y) >> 1) & 1) * 2 + ((q.y >> 1) & 1);
-      shift = (float(order) + 0.5) / 16.0;
-    }
+    // The end of a step moves to the clouds, which may be sunlit behind and shaded before.
+    float cloud_m = 0.5 * (depths.z + depths.w), middle = step_distance(plan, 0.5);
+    bool moved = false;
     float t0 = plan.cut_m.x, depth0 = haze_depth_to(m, t0), haze0 = exp(-depth0);
     for (uint i = 0u; i < SHAFT_STEPS; ++i) {
-      float t1 = step_distance(plan, float(i + 1u));
-      float at = step_distance(plan, float(i) + shift);
+      float t1 = step_distance(plan, float(i + 1u)), at = middle;
+      middle = step_distance(plan, float(i) + 1.5);
+      bool move = cloud_m > at && cloud_m <= middle && i + 1u < SHAFT_STEPS;
+      if (move) t1 = cloud_m;
+      if (move || moved) at = 0.5 * (t0 + t1);
+      moved = move;
       AirSource source = air_source_at(m, at, HAZE > 0u);
       float visible = max(1.0 - shafts.data.intensity * (1.0 - AIR_VISIBLE(dir * at)), 0.0);
       float depth1 = HAZE > 0u ? haze_depth_to(m, t1) : 0.0, haze1 = exp(-depth1);
@@ -63,8 +61,8 @@ void main() {
       float length_m = max(t1 - t0, 0.0);
       vec3 air = source.single * (visible * haze - 1.0) + source.multiple * (haze - 1.0);
       vec3 lit = source.haze * visible + source.haze_sky;
-      for (int k = 0; k < 3; ++k) {
-        float share_m = clamp(targets[k] - t0, 0.0, length_m);
+      for (int k = 0; k < 4; ++k) {
+        float share_m = clamp(depths[k] - t0, 0.0, length_m);
         change[k] += share_m * air;
         if (HAZE > 0u) {
           change[k] += lit * max(haze0 - max(haze1, target_t[k]), 0.0);
@@ -76,9 +74,17 @@ void main() {
       haze0 = haze1;
     }
   }
-  for (int k = 0; k < 3; ++k) change[k] += (1.0 - target_t[k]) * clear[k];
+  for (int k = 0; k < 4; ++k) change[k] += (1.0 - target_t[k]) * clear[k];
+#ifdef AIR_GLOW
+  // The sun's glow over clouds: its own, of air and edges that scatter forwards, as far as it is open.
+  vec3 glow = push.glow * screen_visible * f.key_illuminance * sun_transmittance(f.planet.camera_height_m, dot(f.camera_up, f.key_dir)) *
+              phase_aerosol(atmosphere.air, m.ray.nu);
+  change[2] += glow;
+  change[3] += glow;
+#endif
   imageStore(out_near, block, vec4(change[0], target_t[0]));
   imageStore(out_far, block, vec4(change[1], target_t[1]));
-  imageStore(out_cloud, block, vec4(change[2], target_t[2]));
-  imageStore(out_depths, block, vec4(depths, 0.0));
+  imageStore(out_cloud_near, block, vec4(change[2], target_t[2]));
+  imageStore(out_cloud_far, block, vec4(change[3], target_t[3]));
+  imageStore(out_depths, block, depths);
 }

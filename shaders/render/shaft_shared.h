@@ -74,7 +74,11 @@ SHARED_FN float shaft_depth(float distance_m) { return distance_m / (distance_m 
 struct ShaftMarchPush {
   uint downscale;
   uint has_clouds;       // 1: cloud_info holds clouds' depths
-  uint jitter;           // 1: rays of neighbouring blocks take different points
+  float glow;            // of screen: optical depth of what glows around the sun over clouds
+};
+struct FroxelApplyPush {
+  FroxelGrid grid;
+  uint has_clouds;
 };
 struct ShaftApplyPush {
   uint downscale;

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/geometric.hpp>
 
 #include "gpu/commands.h"
+#include "render/froxel_apply.comp.h"
+#include "render/froxel_fill_haze.comp.h"
+#include "render/froxel_fill_shaft.comp.h"
 #include "render/haze_march.comp.h"
+#include "render/screen_march.comp.h"
 #include "render/shaft_apply.comp.h"
 #include "render/shaft_march.comp.h"
 
@@ -15,13 +18,30 @@ static_assert(sizeof(shared::HazeLayerData) == 32);
 static_assert(sizeof(shared::ShaftData) == 4 * 32 + 16 + 16);
 static_assert(sizeof(shared::ShaftMarchPush) == 12);
 static_assert(sizeof(shared::ShaftApplyPush) == 8);
+static_assert(sizeof(shared::FroxelGrid) == 24);
+static_assert(sizeof(shared::FroxelApplyPush) == 28);
 
 namespace {
 constexpr double kFarBelow_m = -1e6;
 /// Most of a layer of haze lies below so many scale heights over its base.
 constexpr double kBulk = 3.0;
+/// Growth of the frustum grid's slices at most: from 80 m on, over 150 km.
+constexpr double kGrowth = 5.0;
+/// Of the march through the air of screen-space shafts, whose shade is the same along a ray.
+constexpr uint32_t kScreenMarchSteps = 8;
+/// Optical depth of what glows around the sun over clouds, at screen_glow 1.
+constexpr double kGlowDepth = 0.02;
 
 uint32_t blocks_of(uint32_t pixels, uint32_t side) { return (pixels + side - 1) / side; }
+
+bool has_shade(const ShaftParams& params, ShaftMethod method, const ShaftPass::Air& air) {
+  return air.shadow.map && method != ShaftMethod::none && params.intensity > 0.0;
+}
+
+double haze_top_m(const HazeLayer& layer) {
+  const double reach = layer.base_m + static_cast<double>(shared::kHazeReach) * layer.scale_height_m;
+  return layer.top_m ? std::min(*layer.top_m, reach) : reach;
+}
 }  // namespace
 
 ShaftMethod shaft_method(const ShaftParams& params, const std::string& quality) {
@@ -31,109 +51,186 @@ ShaftMethod shaft_method(const ShaftParams& params, const std::string& quality) 
   return name == "screen" ? ShaftMethod::screen : ShaftMethod::none;
 }
 
-shared::ShaftData make_shaft_data(const ShaftParams& params, const std::vector<HazeLayer>& haze,
-                                  const shared::PlanetView& planet, float air_radius_m, double cloud_top_m,
-                                  double ground_m, double ground_albedo) {
+shared::HazeData make_haze_data(const std::vector<HazeLayer>& haze, const shared::PlanetView& planet,
+                                float air_radius_m) {
   // Scaled heights are as much greater everywhere as they are where the camera is (0.34 % at most).
   const double stretch =
       static_cast<double>(shared::scaled_height_from_geodetic(planet, planet.camera_q_m, 1000.0f)) / 1000.0;
-  shared::ShaftData data{};
+  const auto scaled = [&](double height_m) { return static_cast<float>(height_m * stretch); };
+  shared::HazeData data{};
   double top = kFarBelow_m, bulk = kFarBelow_m;
   for (size_t i = 0; i < haze.size() && i < shared::kMaxHazeLayers; ++i) {
     const HazeLayer& layer = haze[i];
-    const double reach = layer.base_m + static_cast<double>(shared::kHazeReach) * layer.scale_height_m;
-    const double layer_top = layer.top_m ? std::min(*layer.top_m, reach) : reach;
+    const double layer_top = haze_top_m(layer);
     top = std::max(top, layer_top);
     bulk = std::max(bulk, std::min(layer_top, layer.base_m + kBulk * layer.scale_height_m));
-    data.haze.layers[i] = {.extinction_per_m = static_cast<float>(layer.extinction_per_m),
-                           .bottom_m = static_cast<float>(layer.bottom_m.value_or(-12000.0) * stretch),
-                           .base_m = static_cast<float>(layer.base_m * stretch),
-                           .top_m = static_cast<float>(layer_top * stretch),
-                           .scale_height_m = static_cast<float>(layer.scale_height_m * stretch),
-                           .albedo = static_cast<float>(layer.albedo),
-                           .g = static_cast<float>(layer.phase_g),
-                           .pad0 = 0.0f};
+    data.layers[i] = {.extinction_per_m = static_cast<float>(layer.extinction_per_m),
+                      .bottom_m = scaled(layer.bottom_m.value_or(-12000.0)),
+                      .base_m = scaled(layer.base_m),
+                      .top_m = scaled(layer_top),
+                      .scale_height_m = scaled(layer.scale_height_m),
+                      .albedo = static_cast<float>(layer.albedo),
+                      .g = static_cast<float>(layer.phase_g),
+                      .pad0 = 0.0f};
   }
-  data.haze.top_m = static_cast<float>(top * stretch);
-  data.haze.bulk_m = static_cast<float>(bulk * stretch);
-  data.haze.radius_m = air_radius_m;
-  // Scaled heights of a geodetic one differ over the globe: none is above this.
-  data.cloud_top_m = static_cast<float>(cloud_top_m * 1.0034 + 1.0);
-  data.intensity = static_cast<float>(params.intensity);
-  data.ground_m = static_cast<float>(ground_m * stretch);
-  data.ground_albedo = static_cast<float>(ground_albedo);
+  data.top_m = scaled(top);
+  data.bulk_m = scaled(bulk);
+  data.radius_m = air_radius_m;
   return data;
 }
 
-const gpu::ComputePipeline& ShaftPass::pipeline(Kind kind, uint32_t haze_layers, uint32_t steps) {
-  gpu::ComputePipeline& wanted = pipelines_[{kind, haze_layers, steps}];
+void bind_froxels(FrameGraph::PassBuilder& pass, const FroxelRefs& refs) {
+  pass.uniform("froxels", refs.grid)
+      .sample("froxel_light", refs.light)
+      .sample("froxel_transmittance", refs.transmittance);
+}
+
+const gpu::ComputePipeline& ShaftPass::pipeline(Kind kind, uint32_t haze_layers, uint32_t steps, uint32_t more) {
+  gpu::ComputePipeline& wanted = pipelines_[{kind, haze_layers, steps, more}];
   if (!wanted) {
-    const std::span<const uint32_t> spirv[] = {shaft_march_comp, haze_march_comp, shaft_apply_comp};
-    const char* const names[] = {"shafts.march", "haze.march", "shafts.apply"};
+    const std::span<const uint32_t> spirv[] = {shaft_march_comp, screen_march_comp,      haze_march_comp,
+                                               shaft_apply_comp, froxel_fill_shaft_comp, froxel_fill_haze_comp,
+                                               froxel_apply_comp};
+    const char* const names[] = {"shafts.march", "shafts.screen", "haze.march",   "shafts.apply",
+                                 "froxels.fill", "froxels.fill",  "froxels.apply"};
     wanted = gpu::ComputePipeline(device_, {.name = names[kind],
                                             .spirv = spirv[kind],
-                                            .constants = {spectral_groups_, 0, 0, 0, 0, 0, haze_layers, steps}});
+                                            .constants = {spectral_groups_, 0, 0, 0, 0, 0, haze_layers, steps, more}});
   }
   return wanted;
 }
 
-ShaftPass::Outputs ShaftPass::add(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
-                                  const HazeParams& haze, ShaftMethod method, const Inputs& in) {
+BufferRef ShaftPass::constants(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
+                               const std::vector<HazeLayer>& haze, bool shade, const Air& air) const {
+  const shared::PlanetView& planet = frame.constants.planet;
+  // Scaled heights of a geodetic one differ over the globe: none is above this.
+  const double cloud_top_m = shade ? air.cloud_top_m * 1.0034 + 1.0 : kFarBelow_m;
+  return graph.constants("shafts", shared::ShaftData{.haze = make_haze_data(haze, planet, air.uniform->radius_m),
+                                                     .cloud_top_m = static_cast<float>(cloud_top_m),
+                                                     .intensity = static_cast<float>(params.intensity),
+                                                     .ground_m = shared::scaled_height_from_geodetic(
+                                                         planet, planet.camera_q_m, static_cast<float>(air.ground_m)),
+                                                     .ground_albedo = static_cast<float>(air.ground_albedo)});
+}
+
+FroxelRefs ShaftPass::add_froxels(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
+                                  const HazeParams& haze, ShaftMethod method, const Air& air, bool light) {
   const std::vector<HazeLayer> layers = drawn_haze(haze);
-  const bool shade = in.shadow.map && method != ShaftMethod::none && params.intensity > 0.0;
-  if (!shade && layers.empty()) return {in.background, in.cloud};
-  const uint32_t side = params.downscale, haze_layers = static_cast<uint32_t>(layers.size());
-  const Extent2D blocks{blocks_of(frame.extent.width, side), blocks_of(frame.extent.height, side)};
-  const BufferRef data =
-      graph.constants("shafts", make_shaft_data(params, layers, frame.constants.planet, in.air->radius_m,
-                                                shade ? in.cloud_top_m : kFarBelow_m, in.ground_m, in.ground_albedo));
+  const bool shade = has_shade(params, method, air);
+  double top_m = shade ? air.cloud_top_m : 0.0;
+  for (const HazeLayer& layer : layers) top_m = std::max(top_m, haze_top_m(layer));
+  // From above, the grid begins where something may be and reaches over the horizon.
+  const double height_m = static_cast<double>(frame.constants.planet.camera_height_m);
+  const double start_m = std::max(height_m - 1.01 * top_m - 10.0, 0.0);
+  const double radius_m = static_cast<double>(air.uniform->radius_m);
+  const double horizon_m = std::sqrt(std::max(height_m, 0.0) * (2.0 * radius_m + std::max(height_m, 0.0)));
+  const double end_m = start_m > 0.0 ? std::max(start_m + params.froxel_range_m, horizon_m + params.froxel_range_m)
+                                     : params.froxel_range_m;
+  FroxelRefs out;
+  out.data = {.size = {params.froxels_wide, params.froxels_high, params.froxel_slices},
+              .start_m = static_cast<float>(start_m),
+              .end_m = static_cast<float>(end_m),
+              .growth = static_cast<float>(std::min(kGrowth, std::log(end_m / std::max(start_m, 1.0))))};
+  out.grid = graph.constants("froxels", out.data);
+  const auto volume = [&](const char* name, bool wanted) {
+    const Extent3D extent{wanted ? out.data.size.x : 1, wanted ? out.data.size.y : 1, wanted ? out.data.size.z : 2};
+    return graph.create(name, {.extent = extent, .format = Format::rgba32f});
+  };
+  out.change = volume("froxels.change", true);
+  out.light = volume("froxels.light", light);
+  out.transmittance = volume("froxels.transmittance", light);
+  auto fill = graph.pass("froxels.fill");
+  fill.uniform("frame", frame.buffer)
+      .uniform("shafts", constants(graph, frame, params, layers, shade, air))
+      .write("out_change", out.change)
+      .write("out_light", out.light)
+      .write("out_transmittance", out.transmittance);
+  AtmosphereTables::bind(fill, air.atmosphere);
+  if (shade) bind_cloud_shadow(fill, air.shadow);
+  const gpu::ComputePipeline& filler =
+      pipeline(shade ? shadow_fill : haze_fill, static_cast<uint32_t>(layers.size()), 0, light ? 1 : 0);
+  fill.record([&filler, grid = out.data](gpu::Commands& cmd) {
+    cmd.bind(filler).push(grid).dispatch_threads(grid.size.x, grid.size.y);
+  });
+  return out;
+}
+
+ShaftPass::Blocks ShaftPass::add_march(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
+                                       const std::vector<HazeLayer>& haze, ShaftMethod method, const Air& air,
+                                       const Inputs& in) {
+  const bool shade = has_shade(params, method, air);
+  const bool screen = shade && method == ShaftMethod::screen;
+  const Extent2D blocks{blocks_of(frame.extent.width, params.downscale),
+                        blocks_of(frame.extent.height, params.downscale)};
   const auto image = [&](const char* name) {
     return graph.create(name, {.extent = blocks, .format = Format::rgba32f});
   };
-  const ImageRef near = image("shafts.near"), far = image("shafts.far"), cloud = image("shafts.cloud"),
-                 depths = image("shafts.depths");
-  const uint32_t has_clouds = in.cloud ? 1 : 0;
-  const ImageRef info = in.cloud ? in.cloud_info : in.depth_m;
-  auto march = graph.pass(shade ? "shafts.march" : "haze.march");
+  const Blocks out{image("shafts.near"), image("shafts.far"), image("shafts.cloud_near"), image("shafts.cloud_far"),
+                   image("shafts.depths")};
+  const Kind kind = screen ? screen_march : shade ? shadow_march : haze_march;
+  const gpu::ComputePipeline& marcher =
+      pipeline(kind, static_cast<uint32_t>(haze.size()), screen && haze.empty() ? kScreenMarchSteps : params.steps,
+               screen ? params.steps : 0);
+  auto march = graph.pass(screen ? "shafts.screen" : shade ? "shafts.march" : "haze.march");
   march.uniform("frame", frame.buffer)
-      .uniform("shafts", data)
+      .uniform("shafts", constants(graph, frame, params, haze, shade, air))
       .sample("depth_m", in.depth_m, Sampler::nearest_clamp)
-      .sample("cloud_info", info, Sampler::nearest_clamp)
-      .write("out_near", near)
-      .write("out_far", far)
-      .write("out_cloud", cloud)
-      .write("out_depths", depths);
-  AtmosphereTables::bind(march, in.atmosphere);
-  if (shade) bind_cloud_shadow(march, in.shadow);
-  const gpu::ComputePipeline& marcher = pipeline(shade ? shadow_march : haze_march, haze_layers, params.steps);
-  const shared::ShaftMarchPush march_push{side, has_clouds, 0};
-  march.record([&marcher, blocks, march_push](gpu::Commands& cmd) {
-    cmd.bind(marcher).push(march_push).dispatch_threads(blocks.width, blocks.height);
+      .sample("cloud_info", in.cloud ? in.cloud_info : in.depth_m, Sampler::nearest_clamp)
+      .write("out_near", out.near)
+      .write("out_far", out.far)
+      .write("out_cloud_near", out.cloud_near)
+      .write("out_cloud_far", out.cloud_far)
+      .write("out_depths", out.depths);
+  AtmosphereTables::bind(march, air.atmosphere);
+  if (screen)
+    march.sample("cloud_radiance", in.cloud, Sampler::nearest_clamp);
+  else if (shade)
+    bind_cloud_shadow(march, air.shadow);
+  const shared::ShaftMarchPush push{params.downscale, in.cloud ? 1u : 0u,
+                                    screen ? static_cast<float>(kGlowDepth * params.screen_glow) : 0.0f};
+  march.record([&marcher, blocks, push](gpu::Commands& cmd) {
+    cmd.bind(marcher).push(push).dispatch_threads(blocks.width, blocks.height);
   });
+  return out;
+}
 
-  Outputs out{.background = graph.create("background.air", {.extent = frame.extent, .format = Format::rgba32f}),
-              .cloud = {}};
+ShaftPass::Outputs ShaftPass::add(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
+                                  const HazeParams& haze, ShaftMethod method, const Air& air, const Inputs& in) {
+  const std::vector<HazeLayer> layers = drawn_haze(haze);
+  if (!has_shade(params, method, air) && layers.empty()) return {in.background, in.cloud};
+  const bool froxel = method == ShaftMethod::froxel && in.froxels.change;
+  const Blocks blocks = froxel ? Blocks{} : add_march(graph, frame, params, layers, method, air, in);
+  const ImageRef background = graph.create("background.air", {.extent = frame.extent, .format = Format::rgba32f});
   const Extent2D cloud_extent = in.cloud ? frame.extent : Extent2D{1, 1};
-  const ImageRef out_cloud = graph.create("clouds.air", {.extent = cloud_extent, .format = Format::rgba32f});
-  if (in.cloud) out.cloud = out_cloud;
-  const shared::ShaftApplyPush apply_push{side, has_clouds};
-  const gpu::ComputePipeline& applier = pipeline(apply, 0, 0);
-  graph.pass("shafts.apply")
-      .uniform("frame", frame.buffer)
+  const ImageRef cloud = graph.create("clouds.air", {.extent = cloud_extent, .format = Format::rgba32f});
+  auto pass = graph.pass(froxel ? "froxels.apply" : "shafts.apply");
+  pass.uniform("frame", frame.buffer)
       .sample("depth_m", in.depth_m, Sampler::nearest_clamp)
-      .sample("cloud_info", info, Sampler::nearest_clamp)
-      .sample("near_tex", near, Sampler::nearest_clamp)
-      .sample("far_tex", far, Sampler::nearest_clamp)
-      .sample("cloud_tex", cloud, Sampler::nearest_clamp)
-      .sample("depths_tex", depths, Sampler::nearest_clamp)
+      .sample("cloud_info", in.cloud ? in.cloud_info : in.depth_m, Sampler::nearest_clamp)
       .sample("background", in.background, Sampler::nearest_clamp)
       .sample("cloud_radiance", in.cloud ? in.cloud : in.background, Sampler::nearest_clamp)
-      .write("out_background", out.background)
-      .write("out_cloud", out_cloud)
-      .record([&applier, apply_push, extent = frame.extent](gpu::Commands& cmd) {
-        cmd.bind(applier).push(apply_push).dispatch_threads(extent.width, extent.height);
-      });
-  return out;
+      .write("out_background", background)
+      .write("out_cloud", cloud);
+  const uint32_t has_clouds = in.cloud ? 1 : 0;
+  const gpu::ComputePipeline& applier = pipeline(froxel ? froxel_apply : apply);
+  if (froxel) {
+    pass.sample("froxel_change", in.froxels.change);
+    const shared::FroxelApplyPush push{in.froxels.data, has_clouds};
+    pass.record([&applier, push, extent = frame.extent](gpu::Commands& cmd) {
+      cmd.bind(applier).push(push).dispatch_threads(extent.width, extent.height);
+    });
+  } else {
+    pass.sample("near_tex", blocks.near, Sampler::nearest_clamp)
+        .sample("far_tex", blocks.far, Sampler::nearest_clamp)
+        .sample("cloud_near_tex", blocks.cloud_near, Sampler::nearest_clamp)
+        .sample("cloud_far_tex", blocks.cloud_far, Sampler::nearest_clamp)
+        .sample("depths_tex", blocks.depths, Sampler::nearest_clamp);
+    const shared::ShaftApplyPush push{params.downscale, has_clouds};
+    pass.record([&applier, push, extent = frame.extent](gpu::Commands& cmd) {
+      cmd.bind(applier).push(push).dispatch_threads(extent.width, extent.height);
+    });
+  }
+  return {background, in.cloud ? cloud : ImageRef{}};
 }
 
 }  // namespace nepho

@@ -1,6 +1,8 @@
 #pragma once
+#include <array>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "atmosphere/atmosphere_tables.h"
 #include "clouds/shadow_map.h"
@@ -15,42 +17,67 @@ namespace nepho {
 enum class ShaftMethod { none, shadow_length, froxel, screen };
 ShaftMethod shaft_method(const ShaftParams& params, const std::string& quality);
 
-/// What the passes of shafts and haze know of a scene's air: layers of haze, tops of clouds, light below. `cloud_top_m`
-/// and `ground_m` are geodetic heights; a cloud top far below the ground means no shade.
-shared::ShaftData make_shaft_data(const ShaftParams& params, const std::vector<HazeLayer>& haze,
-                                  const shared::PlanetView& planet, float air_radius_m, double cloud_top_m,
-                                  double ground_m, double ground_albedo);
+/// What shaders know of layers of haze: heights in the camera's scaled space, over a planet of this radius.
+shared::HazeData make_haze_data(const std::vector<HazeLayer>& haze, const shared::PlanetView& planet,
+                                float air_radius_m);
+
+/// The frustum grid of air and haze: what lies before any point that the camera sees.
+struct FroxelRefs {
+  ImageRef change;         ///< rgb: what shade and haze change; a: transmittance of the haze
+  ImageRef light;          ///< luminance of the air, shaded and hazy; empty where it was not asked for
+  ImageRef transmittance;  ///< of air and haze; with it
+  BufferRef grid;
+  shared::FroxelGrid data;
+};
+/// Binds them to a pass whose shader includes render/froxel_air.glsl.
+void bind_froxels(FrameGraph::PassBuilder& pass, const FroxelRefs& refs);
 
 /// Changes background and clouds by what the air in the shade of clouds does not send, and by haze (docs/light.md).
 /// Reads depth, clouds' depth, the clouds' shadow maps and the atmosphere. Writes background and cloud radiance anew.
 class ShaftPass {
  public:
+  /// Of a frame's air.
+  struct Air {
+    AtmosphereTables::Refs atmosphere;
+    const shared::AtmosphereUniform* uniform = nullptr;
+    CloudShadowRefs shadow;    ///< may be empty: no shade
+    double cloud_top_m = 0.0;  ///< geodetic height that no cloud reaches
+    double ground_m = 0.0;     ///< geodetic height of the ground around the camera
+    double ground_albedo = 0.1;
+  };
   struct Inputs {
     ImageRef depth_m;
     ImageRef background;
     ImageRef cloud;       ///< premultiplied; may be empty: no clouds
     ImageRef cloud_info;  ///< with it
-    AtmosphereTables::Refs atmosphere;
-    CloudShadowRefs shadow;    ///< may be empty: no shade
-    double cloud_top_m = 0.0;  ///< geodetic height that no cloud reaches
-    double ground_m = 0.0;     ///< geodetic height of the ground around
-    double ground_albedo = 0.1;
-    const shared::AtmosphereUniform* air = nullptr;
+    FroxelRefs froxels;   ///< of add_froxels(), where the method is froxel
   };
-  ShaftPass(gpu::Device& device, uint32_t spectral_groups) : device_(device), spectral_groups_(spectral_groups) {}
   struct Outputs {
     ImageRef background, cloud;
   };
+  ShaftPass(gpu::Device& device, uint32_t spectral_groups) : device_(device), spectral_groups_(spectral_groups) {}
+
+  /// Fills the frustum grid; needs nothing of what the camera sees. `light`: luminance and transmittance as well.
+  FroxelRefs add_froxels(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params, const HazeParams& haze,
+                         ShaftMethod method, const Air& air, bool light);
   /// Where there is neither haze nor shade it adds no pass and gives its inputs back.
   Outputs add(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params, const HazeParams& haze,
-              ShaftMethod method, const Inputs& in);
+              ShaftMethod method, const Air& air, const Inputs& in);
 
  private:
-  enum Kind { shadow_march, haze_march, apply };
-  const gpu::ComputePipeline& pipeline(Kind kind, uint32_t haze_layers, uint32_t steps);
+  enum Kind : uint32_t { shadow_march, screen_march, haze_march, apply, shadow_fill, haze_fill, froxel_apply };
+  /// Low-resolution images of what is to be changed.
+  struct Blocks {
+    ImageRef near, far, cloud_near, cloud_far, depths;
+  };
+  Blocks add_march(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
+                   const std::vector<HazeLayer>& haze, ShaftMethod method, const Air& air, const Inputs& in);
+  BufferRef constants(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
+                      const std::vector<HazeLayer>& haze, bool shade, const Air& air) const;
+  const gpu::ComputePipeline& pipeline(Kind kind, uint32_t haze_layers = 0, uint32_t steps = 0, uint32_t more = 0);
   gpu::Device& device_;
   uint32_t spectral_groups_;
-  std::map<std::array<uint32_t, 3>, gpu::ComputePipeline> pipelines_;
+  std::map<std::array<uint32_t, 4>, gpu::ComputePipeline> pipelines_;
 };
 
 }  // namespace nepho

@@ -1,0 +1,38 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Puts the change that shade and haze make, read from the frustum grid, on the background and on the clouds.
+#include "common/frame.h"
+#include "common/gamut.h"
+#include "render/shaft_shared.h"
+layout(local_size_x = 16, local_size_y = 16) in;
+layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
+layout(set = 0, binding = 1) uniform sampler2D depth_m;
+layout(set = 0, binding = 2) uniform sampler2D cloud_info;
+layout(set = 0, binding = 3) uniform sampler3D froxel_change;
+layout(set = 0, binding = 7) uniform sampler2D background;
+layout(set = 0, binding = 8) uniform sampler2D cloud_radiance;
+layout(set = 0, binding = 9, rgba32f) uniform writeonly image2D out_background;
+layout(set = 0, binding = 10, rgba32f) uniform writeonly image2D out_cloud;
+layout(push_constant, scalar) uniform PushBlock { FroxelGrid grid; uint has_clouds; } push;
+
+vec4 change_to(vec2 uv, float distance_m) {
+  float x = froxel_slice(push.grid, distance_m), first = min(x, 1.0);
+  vec4 change = textureLod(froxel_change, vec3(uv, (x - 0.5) / float(push.grid.size.z)), 0.0);
+  return mix(vec4(0.0, 0.0, 0.0, 1.0), change, first);
+}
+
+void main() {
+  FrameConstants f = frame.frame_data;
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (any(greaterThanEqual(pixel, ivec2(f.size)))) return;
+  vec2 uv = (vec2(pixel) + 0.5) / vec2(f.size);
+  vec4 behind = change_to(uv, min(texelFetch(depth_m, pixel, 0).r, kFarDepth_m));
+  vec3 seen = texelFetch(background, pixel, 0).rgb;
+  imageStore(out_background, pixel, vec4(max(within_rec709(seen * behind.a + behind.rgb), vec3(0.0)), 1.0));
+  if (push.has_clouds != 0u) {
+    vec4 premultiplied = texelFetch(cloud_radiance, pixel, 0);
+    vec4 cloud = change_to(uv, texelFetch(cloud_info, pixel, 0).x);
+    vec3 light = premultiplied.rgb * cloud.a + cloud.rgb * (1.0 - premultiplied.a);
+    imageStore(out_cloud, pixel, vec4(max(within_rec709(light), vec3(0.0)), premultiplied.a));
+  }
+}
