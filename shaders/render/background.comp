@@ -24,6 +24,9 @@ layout(set = 0, binding = 15) uniform sampler2D cloud_light;  // of light_gather
 #include "render/night_sky.glsl"
 // Constant 0 is the number of spectral groups.
 layout(constant_id = 1) const bool kNight = true;  // false: by day; stars and airglow are left out
+layout(constant_id = 2) const uint HAZE = 0u;          // layers of haze
+#define HAZE_GROUND_BINDING 24
+#include "render/haze_ground.glsl"
 layout(push_constant, scalar) uniform PushBlock { BackgroundPush push; };
 
 // Illuminance of horizontal ground by light that clouds scattered, in shares of key light, sky light, and key light on the
@@ -54,6 +57,11 @@ vec3 surface_luminance(FrameConstants f, ivec2 pixel, vec3 dir, float distance, 
   float visibility = push.has_cloud_shadow != 0u ? texelFetch(sun_visible_share, pixel, 0).r : 1.0;
   vec3 key = key_illuminance(f, height, mu_key) * visibility;
   vec3 sky = sky_illuminance(f, height, up) + (kNight ? night_illuminance_lux() : vec3(0));
+  if (HAZE > 0u) {
+    HazeGround haze = haze_over_ground(point, mu_key);
+    sky = sky * haze.sky + key * haze.scattered;
+    key *= haze.beam;
+  }
   float sky_share = 1.0;
   vec3 from_clouds = vec3(0.0);
   if (push.light_nodes.x > 0u) {

@@ -18,13 +18,14 @@ static_assert(sizeof(shared::BackgroundPush) == 24);
 BackgroundPass::BackgroundPass(gpu::Device& device, uint32_t spectral_groups)
     : device_(device), spectral_groups_(spectral_groups) {}
 
-const gpu::ComputePipeline& BackgroundPass::pipeline(Kind kind, bool night) const {
-  gpu::ComputePipeline& wanted = pipelines_[kind][night ? 1 : 0];
+const gpu::ComputePipeline& BackgroundPass::pipeline(Kind kind, bool night, uint32_t haze_layers) const {
+  gpu::ComputePipeline& wanted = pipelines_[{static_cast<uint32_t>(kind), night ? 1u : 0u, haze_layers}];
   if (!wanted) {
     const std::span<const uint32_t> spirv[] = {background_comp, sky_comp, discs_comp};
     const char* const names[] = {"background.surface", "background.sky", "background.discs"};
     wanted = gpu::ComputePipeline(
-        device_, {.name = names[kind], .spirv = spirv[kind], .constants = {spectral_groups_, night ? 1u : 0u}});
+        device_,
+        {.name = names[kind], .spirv = spirv[kind], .constants = {spectral_groups_, night ? 1u : 0u, haze_layers}});
   }
   return wanted;
 }
@@ -33,8 +34,10 @@ ImageRef BackgroundPass::add(FrameGraph& graph, const FrameInfo& frame, const At
                              const Inputs& in) const {
   const ImageRef out = graph.create("background", {.extent = frame.extent, .format = Format::rgba32f});
   const Extent3D nodes = in.cloud_light ? graph.desc(in.cloud_light).extent : Extent3D{0, 0};
-  const shared::BackgroundPush push{kWind_mps, in.terrain.emission ? kNightLight_cd_m2 : 0.0f,
-                                    in.sun_visibility ? 1u : 0u, static_cast<float>(params.ground_albedo),
+  const shared::BackgroundPush push{kWind_mps,
+                                    in.terrain.emission ? kNightLight_cd_m2 : 0.0f,
+                                    in.sun_visibility ? 1u : 0u,
+                                    static_cast<float>(params.ground_albedo),
                                     {nodes.width, nodes.height}};
   for (const bool sky_tiles : {false, true}) {
     const BufferRef tiles = sky_tiles ? in.terrain.sky_tiles : in.terrain.surface_tiles;
@@ -47,15 +50,16 @@ ImageRef BackgroundPass::add(FrameGraph& graph, const FrameInfo& frame, const At
       continue;
     }
     // High up and from space the sky is integrated as surfaces are, by the same shader.
-    pass.sample("depth_m", in.terrain.depth_m, Sampler::nearest_clamp)
+    pass.uniform("shafts", in.shafts)
+        .sample("depth_m", in.terrain.depth_m, Sampler::nearest_clamp)
         .sample("albedo", in.terrain.albedo, Sampler::nearest_clamp)
         .sample("normal", in.terrain.normal, Sampler::nearest_clamp)
         .sample("emission", in.terrain.emission ? in.terrain.emission : in.terrain.albedo, Sampler::nearest_clamp)
         .sample("cloud_light", in.cloud_light ? in.cloud_light : in.terrain.depth_m, Sampler::nearest_clamp)
         .sample("sun_visible_share", in.sun_visibility ? in.sun_visibility : in.terrain.depth_m,
                 Sampler::nearest_clamp);
-    pass.record([this, push, night = in.night](gpu::Commands& cmd) {
-      cmd.bind(pipeline(surface, night)).push(push).dispatch_indirect();
+    pass.record([this, push, night = in.night, haze_layers = in.haze_layers](gpu::Commands& cmd) {
+      cmd.bind(pipeline(surface, night, haze_layers)).push(push).dispatch_indirect();
     });
   }
   add_discs(graph, frame, in, out);

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <map>
 #include <optional>
 
 #include "atmosphere/atmosphere_tables.h"
@@ -23,9 +24,11 @@ class BackgroundPass {
     Terrain::Outputs terrain;
     AtmosphereTables::Refs atmosphere;
     NightSky::Refs night_sky;
-    bool has_sky_view = true;  ///< the atmosphere has sky views of the camera
-    bool night = true;         ///< false: by day, when stars and airglow cannot be seen
-    ImageRef sun_visibility;   ///< may be empty: no clouds
+    bool has_sky_view = true;   ///< the atmosphere has sky views of the camera
+    bool night = true;          ///< false: by day, when stars and airglow cannot be seen
+    ImageRef sun_visibility;    ///< may be empty: no clouds
+    BufferRef shafts;           ///< ShaftPass::add_constants()
+    uint32_t haze_layers = 0;   ///< of it
     ImageRef cloud_light = {};  ///< CloudLight::Refs::ground; empty: the sky is clear, or clouds are lit by octaves
   };
   BackgroundPass(gpu::Device& device, uint32_t spectral_groups);
@@ -34,12 +37,12 @@ class BackgroundPass {
  private:
   enum Kind { surface, sky, discs };
   /// Made when it is needed: night and day differ.
-  const gpu::ComputePipeline& pipeline(Kind kind, bool night) const;
+  const gpu::ComputePipeline& pipeline(Kind kind, bool night, uint32_t haze_layers = 0) const;
   void add_discs(FrameGraph& graph, const FrameInfo& frame, const Inputs& in, ImageRef background) const;
 
   gpu::Device& device_;
   uint32_t spectral_groups_;
-  mutable std::array<std::array<gpu::ComputePipeline, 2>, 3> pipelines_;
+  mutable std::map<std::array<uint32_t, 3>, gpu::ComputePipeline> pipelines_;
 };
 
 /// The pixels [first, last) that a disc of this angular radius around a direction may touch; nothing when it is outside

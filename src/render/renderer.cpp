@@ -187,6 +187,14 @@ RenderResult Renderer::render(const RenderRequest& request) {
       shadow = p.clouds->shadow_maps.add(graph, frame, density);
       background.sun_visibility = p.clouds->shadow.add(graph, frame, out.terrain, shadow);
     }
+    const ShaftPass::Air air{.atmosphere = atmosphere,
+                             .uniform = &p.atmosphere->uniform(),
+                             .shadow = shadow,
+                             .cloud_top_m = p.clouds ? static_cast<double>(p.clouds->clouds.constants().hull_high_m) : 0.0,
+                             .ground_m = p.terrain.ground_height_m(p.pose.at.lat_rad, p.pose.at.lon_rad),
+                             .ground_albedo = scene_.atmosphere.ground_albedo};
+    background.shafts = p.shafts.add_constants(graph, frame, scene_.shafts, scene_.haze, air);
+    background.haze_layers = static_cast<uint32_t>(drawn_haze(scene_.haze).size());
     out.background = p.background.add(graph, frame, scene_.atmosphere, background);
     CloudMarchPass::Outputs marched;
     if (p.clouds) {
@@ -196,12 +204,6 @@ RenderResult Renderer::render(const RenderRequest& request) {
       out.cloud_info = marched.info;
     }
     const ShaftMethod method = shaft_method(scene_.shafts, scene_.render.quality);
-    const ShaftPass::Air air{.atmosphere = atmosphere,
-                             .uniform = &p.atmosphere->uniform(),
-                             .shadow = shadow,
-                             .cloud_top_m = p.clouds ? static_cast<double>(p.clouds->clouds.constants().hull_high_m) : 0.0,
-                             .ground_m = p.terrain.ground_height_m(p.pose.at.lat_rad, p.pose.at.lon_rad),
-                             .ground_albedo = scene_.atmosphere.ground_albedo};
     const FroxelRefs froxels = method == ShaftMethod::froxel
                                    ? p.shafts.add_froxels(graph, frame, scene_.shafts, scene_.haze, method, air, false)
                                    : FroxelRefs{};

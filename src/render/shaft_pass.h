@@ -57,6 +57,11 @@ class ShaftPass {
   };
   ShaftPass(gpu::Device& device, uint32_t spectral_groups) : device_(device), spectral_groups_(spectral_groups) {}
 
+  /// The uniform block `shafts` of shaders that know haze (render/haze_ground.glsl).
+  BufferRef add_constants(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params, const HazeParams& haze,
+                          const Air& air) const {
+    return constants(graph, frame, params, drawn_haze(haze), false, air);
+  }
   /// Fills the frustum grid; needs nothing of what the camera sees. `light`: luminance and transmittance as well.
   FroxelRefs add_froxels(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params, const HazeParams& haze,
                          ShaftMethod method, const Air& air, bool light);
