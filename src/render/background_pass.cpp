@@ -9,6 +9,7 @@
 #include "render/composite.comp.h"
 #include "render/discs.comp.h"
 #include "render/render_shared.h"
+#include "render/shaft_shared.h"
 #include "render/sky.comp.h"
 
 namespace nepho {
@@ -50,7 +51,7 @@ ImageRef BackgroundPass::add(FrameGraph& graph, const FrameInfo& frame, const At
       continue;
     }
     // High up and from space the sky is integrated as surfaces are, by the same shader.
-    pass.uniform("shafts", in.shafts)
+    pass.uniform("shafts", in.shafts ? in.shafts : graph.constants("shafts", shared::ShaftData{}))
         .sample("depth_m", in.terrain.depth_m, Sampler::nearest_clamp)
         .sample("albedo", in.terrain.albedo, Sampler::nearest_clamp)
         .sample("normal", in.terrain.normal, Sampler::nearest_clamp)

@@ -27,7 +27,7 @@ class BackgroundPass {
     bool has_sky_view = true;   ///< the atmosphere has sky views of the camera
     bool night = true;          ///< false: by day, when stars and airglow cannot be seen
     ImageRef sun_visibility;    ///< may be empty: no clouds
-    BufferRef shafts;           ///< ShaftPass::add_constants()
+    BufferRef shafts = {};      ///< ShaftPass::add_constants(); empty: no haze
     uint32_t haze_layers = 0;   ///< of it
     ImageRef cloud_light = {};  ///< CloudLight::Refs::ground; empty: the sky is clear, or clouds are lit by octaves
   };
