@@ -54,8 +54,15 @@ struct Axis {
 /// What the samplers say on a grid of latitudes and longitudes, which is how they work.
 struct Grid {
   Axis lat, lon;
-  std::vector<glm::vec4> albedo;  // as GroundTexels
+  std::vector<glm::vec4> albedo;  // as GroundTexels; empty without imagery
   std::vector<float> height_m;
+
+  float height_at(const Place& p) const {
+    float fx = 0.0f, fy = 0.0f;
+    const size_t a = lat.below(p.lat_deg, fy) * lon.count + lon.below(p.lon_deg, fx), b = a + lon.count;
+    return (height_m[a] * (1.0f - fx) + height_m[a + 1] * fx) * (1.0f - fy) +
+           (height_m[b] * (1.0f - fx) + height_m[b + 1] * fx) * fy;
+  }
 };
 
 uint32_t tile_level_for(double spacing_deg) {
@@ -64,7 +71,7 @@ uint32_t tile_level_for(double spacing_deg) {
   return level;
 }
 
-Grid sample_grid(const HeightSampler& heights, const ImagerySampler& imagery, const std::vector<Place>& places,
+Grid sample_grid(const HeightSampler& heights, const ImagerySampler* imagery, const std::vector<Place>& places,
                  double centre_lon_deg, double spacing_deg) {
   double south = 90.0, north = -90.0, west = 180.0, east = -180.0;
   for (const Place& p : places) {
@@ -80,7 +87,7 @@ Grid sample_grid(const HeightSampler& heights, const ImagerySampler& imagery, co
             {},
             {}};
   const size_t columns = grid.lon.count, rows = grid.lat.count;
-  grid.albedo.resize(columns * rows);
+  if (imagery) grid.albedo.resize(columns * rows);
   grid.height_m.resize(columns * rows);
   std::vector<double> lon_deg(columns);
   for (size_t i = 0; i < columns; ++i) lon_deg[i] = centre_lon_deg + grid.lon.at(i);
@@ -91,13 +98,14 @@ Grid sample_grid(const HeightSampler& heights, const ImagerySampler& imagery, co
     for (size_t j = first; j < last; ++j) lat_deg.push_back(grid.lat.at(j));
     const size_t count = lat_deg.size() * columns;
     std::vector<double> height_m(count);
-    std::vector<float> land(count), srgb(count * 4);
     heights.heights_m(lat_deg, lon_deg, level, height_m.data());
+    for (size_t p = 0; p < count; ++p) grid.height_m[first * columns + p] = static_cast<float>(height_m[p]);
+    if (!imagery) return;
+    std::vector<float> land(count), srgb(count * 4);
     heights.land_field_m(lat_deg, lon_deg, spacing_deg / kCoastDetail, land.data());
     if (std::any_of(land.begin(), land.end(), [](float f) { return f > 0.0f; }))
-      imagery.colours(lat_deg, lon_deg, spacing_deg, srgb.data());
+      imagery->colours(lat_deg, lon_deg, spacing_deg, srgb.data());
     for (size_t p = 0; p < count; ++p) {
-      grid.height_m[first * columns + p] = static_cast<float>(height_m[p]);
       glm::vec4& albedo = grid.albedo[first * columns + p];
       albedo = glm::vec4(0.0f);
       if (land[p] <= 0.0f) continue;
@@ -108,6 +116,23 @@ Grid sample_grid(const HeightSampler& heights, const ImagerySampler& imagery, co
   return grid;
 }
 
+/// The centres of a level's side^2 texels, row by row; their spacing in m.
+double place_texels(const shared::RegionMap& map, uint32_t level, size_t side, double centre_lon_deg,
+                    const Ellipsoid& ellipsoid, std::vector<Place>& places) {
+  const auto half_m = static_cast<double>(shared::region_half_m(map, level));
+  const double spacing_m = 2.0 * half_m / static_cast<double>(side);
+  places.resize(side * side);
+  parallel_for(side, [&](size_t j) {
+    for (size_t i = 0; i < side; ++i) {
+      const glm::vec2 xy(glm::dvec2((static_cast<double>(i) + 0.5) * spacing_m - half_m,
+                                    (static_cast<double>(j) + 0.5) * spacing_m - half_m));
+      const Geodetic at = geodetic_from_map_direction(dvec3(shared::region_direction(map, xy)), ellipsoid);
+      places[j * side + i] = {at.lat_deg(), std::remainder(at.lon_deg() - centre_lon_deg, 360.0)};
+    }
+  });
+  return spacing_m;
+}
+
 }  // namespace
 
 GroundTexels sample_ground(const HeightSampler& heights, const ImagerySampler& imagery, const shared::RegionMap& map,
@@ -116,19 +141,10 @@ GroundTexels sample_ground(const HeightSampler& heights, const ImagerySampler& i
   out.albedo.resize(kSide * kSide * map.levels);
   out.height_m.resize(kSide * kSide * map.levels);
   const double centre_lon_deg = geodetic_from_map_direction(dvec3(map.centre), ellipsoid).lon_deg();
-  std::vector<Place> places(kSubSide * kSubSide);
+  std::vector<Place> places;
   for (uint32_t level = 0; level < map.levels; ++level) {
-    const auto half_m = static_cast<double>(shared::region_half_m(map, level));
-    const double spacing_m = 2.0 * half_m / kSubSide;
-    parallel_for(kSubSide, [&](size_t j) {
-      for (size_t i = 0; i < kSubSide; ++i) {
-        const glm::vec2 xy(glm::dvec2((static_cast<double>(i) + 0.5) * spacing_m - half_m,
-                                      (static_cast<double>(j) + 0.5) * spacing_m - half_m));
-        const Geodetic at = geodetic_from_map_direction(dvec3(shared::region_direction(map, xy)), ellipsoid);
-        places[j * kSubSide + i] = {at.lat_deg(), std::remainder(at.lon_deg() - centre_lon_deg, 360.0)};
-      }
-    });
-    const Grid grid = sample_grid(heights, imagery, places, centre_lon_deg, spacing_m / kMetresPerDegree);
+    const double spacing_m = place_texels(map, level, kSubSide, centre_lon_deg, ellipsoid, places);
+    const Grid grid = sample_grid(heights, &imagery, places, centre_lon_deg, spacing_m / kMetresPerDegree);
     parallel_for(kSide, [&](size_t j) {
       for (size_t i = 0; i < kSide; ++i) {
         glm::vec4 albedo(0.0f);
@@ -149,6 +165,28 @@ GroundTexels sample_ground(const HeightSampler& heights, const ImagerySampler& i
         out.height_m[texel] = height_m / static_cast<float>(kSub * kSub);
       }
     });
+  }
+  return out;
+}
+
+std::vector<float> sample_ground_crests(const HeightSampler& heights, const shared::RegionMap& map, uint32_t side,
+                                        const Ellipsoid& ellipsoid) {
+  std::vector<float> out;
+  out.reserve(size_t{side} * side * map.levels);
+  const double centre_lon_deg = geodetic_from_map_direction(dvec3(map.centre), ellipsoid).lon_deg();
+  std::vector<Place> places;
+  const size_t sub_side = kSub * side;
+  for (uint32_t level = 0; level < map.levels; ++level) {
+    const double spacing_m = place_texels(map, level, sub_side, centre_lon_deg, ellipsoid, places);
+    const Grid grid = sample_grid(heights, nullptr, places, centre_lon_deg, spacing_m / kMetresPerDegree);
+    for (size_t j = 0; j < side; ++j)
+      for (size_t i = 0; i < side; ++i) {
+        float highest_m = -1e9f;
+        for (size_t s = 0; s < kSub * kSub; ++s)
+          highest_m =
+              std::max(highest_m, grid.height_at(places[(j * kSub + s / kSub) * sub_side + i * kSub + s % kSub]));
+        out.push_back(highest_m);
+      }
   }
   return out;
 }

@@ -20,4 +20,9 @@ struct GroundTexels {
 GroundTexels sample_ground(const HeightSampler& heights, const ImagerySampler& imagery, const shared::RegionMap& map,
                            const Ellipsoid& ellipsoid = Ellipsoid::wgs84());
 
+/// Heights alone, with `side` texels per side of a level: the highest of four samples in each, so that crests keep
+/// theirs.
+std::vector<float> sample_ground_crests(const HeightSampler& heights, const shared::RegionMap& map, uint32_t side,
+                                        const Ellipsoid& ellipsoid = Ellipsoid::wgs84());
+
 }  // namespace nepho

@@ -1,0 +1,136 @@
+#include "terrain/terrain_shadow_map.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "geo/frames.h"
+#include "geo/region_map.h"
+#include "terrain/ground_texels.h"
+
+namespace nepho {
+
+namespace {
+
+static_assert(sizeof(shared::TerrainShadowConstants) == sizeof(shared::RegionMap) + 4);
+
+constexpr size_t kSide = shared::kShadowTexels;
+constexpr double kFinestHalf_m = 2e3;       ///< of level 0 near the ground
+constexpr double kLooksDownFrom_m = 15e3;   ///< cameras above have the map where they look
+constexpr double kHighestLight_rad = 1.05;  ///< slopes are hardly ever steeper: 60 degrees
+constexpr double kLowestLight_rad = -0.1;   ///< nothing on Earth is lit from so far below the horizon
+constexpr float kEven_m = 1.0f;
+constexpr double kMoves = 0.25;  ///< of level 0's half side, before the map follows the camera
+
+/// The nested maps that a camera wants: finer the nearer it is to the ground, and as wide as it can see mountains, and
+/// as those can be shaded by others.
+shared::RegionMap region_for(const FrameInfo& frame, double highest_m) {
+  const shared::PlanetView& planet = frame.constants.planet;
+  const double a = static_cast<double>(planet.a_m);
+  const double height_m = std::max(static_cast<double>(planet.camera_height_m), 0.0);
+  const auto dip = [&](double h_m) { return std::acos(a / (a + h_m)); };
+  const double top_m = std::max(highest_m, 100.0);
+  double reach_m = a * (dip(height_m) + 2.0 * dip(top_m));
+  dvec3 centre = frame.camera_ecef_m;
+  if (height_m > kLooksDownFrom_m) {
+    const vec3 forward = glm::normalize(frame.constants.forward);
+    glm::vec2 t;
+    if (shared::intersect_shell(planet, forward, 0.0f, t) && t.x > 0.0f) {
+      const dvec3 hit = centre + dvec3(forward) * static_cast<double>(t.x);
+      reach_m += a * std::acos(std::clamp(glm::dot(glm::normalize(hit), glm::normalize(centre)), -1.0, 1.0));
+      centre = hit;
+    }
+  }
+  double half_m = kFinestHalf_m;
+  while (half_m < height_m - top_m) half_m *= 2.0;
+  uint32_t levels = 1;
+  while (half_m * std::exp2(levels - 1) < std::min(reach_m, 1.9 * a)) ++levels;
+  return make_region_map(centre, half_m, levels);
+}
+
+bool serves(const shared::RegionMap& have, const shared::RegionMap& want) {
+  const float apart_m = glm::length(have.centre - want.centre) * want.radius_m;
+  return have.half_m == want.half_m && have.levels == want.levels &&
+         static_cast<double>(apart_m) <= kMoves * static_cast<double>(want.half_m);
+}
+
+}  // namespace
+
+std::vector<float> highest_around(std::vector<float> heights, const std::vector<float>& inside,
+                                  std::vector<std::vector<float>>& mips) {
+  mips.assign(1, heights);
+  std::vector<float> most = std::move(heights);
+  if (!inside.empty()) {
+    // The finer level is the middle half of this one.
+    for (size_t j = 0; j < kSide; ++j)
+      for (size_t i = 0; i < kSide; ++i) {
+        float& m = most[(j / 2 + kSide / 4) * kSide + i / 2 + kSide / 4];
+        m = std::max(m, inside[j * kSide + i]);
+      }
+  }
+  std::vector<float> cells = most;  // highest of each cell alone
+  for (size_t side = kSide / 2; mips.size() < shared::kShadowMips; side /= 2) {
+    std::vector<float> larger(side * side), around(side * side);
+    for (size_t j = 0; j < side; ++j)
+      for (size_t i = 0; i < side; ++i) {
+        const float* at = &cells[2 * j * 2 * side + 2 * i];
+        larger[j * side + i] = std::max({at[0], at[1], at[2 * side], at[2 * side + 1]});
+      }
+    for (size_t j = 0; j < side; ++j)
+      for (size_t i = 0; i < side; ++i) {
+        float m = larger[j * side + i];
+        for (size_t y = j > 0 ? j - 1 : 0; y <= std::min(j + 1, side - 1); ++y)
+          for (size_t x = i > 0 ? i - 1 : 0; x <= std::min(i + 1, side - 1); ++x) m = std::max(m, larger[y * side + x]);
+        around[j * side + i] = m;
+      }
+    cells = std::move(larger);
+    mips.push_back(std::move(around));
+  }
+  return most;
+}
+
+void TerrainShadowMap::update(const HeightSampler& heights, const shared::RegionMap& map) {
+  const std::vector<float> all = sample_ground_crests(heights, map, shared::kShadowTexels);
+  if (!image_ || map.levels != constants_.map.levels)
+    image_ = device_.create_image({.name = "terrain.shadow_heights",
+                                   .extent = {kSide, kSide},
+                                   .format = Format::r32f,
+                                   .mip_levels = shared::kShadowMips,
+                                   .layers = map.levels});
+  std::vector<float> inside;
+  std::vector<std::vector<float>> mips;
+  for (uint32_t level = 0; level < map.levels; ++level) {
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>(level * kSide * kSide);
+    inside = highest_around({first, first + static_cast<std::ptrdiff_t>(kSide * kSide)}, inside, mips);
+    std::vector<gpu::ImageUpload> uploads;
+    for (uint32_t mip = 0; mip < shared::kShadowMips; ++mip)
+      uploads.push_back({&image_, std::as_bytes(std::span(mips[mip])), mip, level});
+    device_.upload(uploads);
+  }
+  const auto [low, high] = std::minmax_element(all.begin(), all.end());
+  constants_ = {.map = map, .highest_m = *high};
+  lowest_m_ = *low;
+  heights_ = &heights;
+}
+
+bool TerrainShadowMap::update(const HeightSampler& heights, const FrameInfo& frame) {
+  const shared::FrameConstants& c = frame.constants;
+  if (static_cast<double>(c.planet.camera_height_m) < kLooksDownFrom_m) {
+    const double light_rad = std::asin(std::clamp(static_cast<double>(glm::dot(c.camera_up, c.key_dir)), -1.0, 1.0));
+    if (light_rad > kHighestLight_rad || light_rad < kLowestLight_rad) return false;
+  }
+  const shared::RegionMap map = region_for(frame, heights.highest_land_m());
+  if (!image_ || heights_ != &heights || !serves(constants_.map, map)) update(heights, map);
+  return constants_.highest_m - lowest_m_ > kEven_m;
+}
+
+TerrainShadowMap::Refs TerrainShadowMap::import_into(FrameGraph& graph) const {
+  NEPHO_ASSERT(image_);
+  return {graph.import(image_), graph.constants("terrain.shadow", constants_)};
+}
+
+void bind_terrain_shadow(FrameGraph::PassBuilder& pass, const TerrainShadowMap::Refs& refs) {
+  pass.sample("terrain_shadow_tex", refs.heights).uniform("terrain_shadow", refs.constants);
+}
+
+}  // namespace nepho

@@ -1,0 +1,49 @@
+#pragma once
+#include <vector>
+
+#include "gpu/device.h"
+#include "gpu/frame_graph.h"
+#include "gpu/frame_info.h"
+#include "terrain/height_sampler.h"
+#include "terrain/terrain_shadow_shared.h"
+
+namespace nepho {
+
+/// Heights of the ground around a camera in nested maps, with the highest ground of ever larger cells: what
+/// shaders/terrain/terrain_shadow.glsl marches towards the light (docs/light.md, 'Terrain shadows').
+class TerrainShadowMap {
+ public:
+  explicit TerrainShadowMap(gpu::Device& device) : device_(device) {}
+
+  /// Whether terrain may shade anything that a camera sees: not where the ground is even to a metre within the map, nor
+  /// from near the ground when the key light is higher than any slope leans or far below the horizon. Samples the
+  /// heights around the camera first, unless the map at hand still serves.
+  bool update(const HeightSampler& heights, const FrameInfo& frame);
+  /// The same around a given map, whatever the light.
+  void update(const HeightSampler& heights, const shared::RegionMap& map);
+
+  struct Refs {
+    ImageRef heights;     ///< r32f, a layer per level
+    BufferRef constants;  ///< TerrainShadowConstants
+    explicit operator bool() const { return static_cast<bool>(heights); }
+  };
+  Refs import_into(FrameGraph& graph) const;
+  const shared::TerrainShadowConstants& constants() const { return constants_; }
+
+ private:
+  gpu::Device& device_;
+  const HeightSampler* heights_ = nullptr;
+  gpu::Image image_;
+  shared::TerrainShadowConstants constants_{};
+  float lowest_m_ = 0.0f;
+};
+
+/// Binds what terrain_shadow.glsl reads.
+void bind_terrain_shadow(FrameGraph::PassBuilder& pass, const TerrainShadowMap::Refs& refs);
+
+/// All mips of one level as the shader wants them, finest first: `mips[0]` the heights, row by row. `inside`: mip 0 of
+/// the next finer level with everything inside that one taken into account, or empty; returns this level's.
+std::vector<float> highest_around(std::vector<float> heights, const std::vector<float>& inside,
+                                  std::vector<std::vector<float>>& mips);
+
+}  // namespace nepho
