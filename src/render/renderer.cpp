@@ -35,6 +35,8 @@ Renderer::Parts::Parts(gpu::Device& device, TerrainSources sources, const SkySou
                        const WeatherSources& weather, const Scene& scene, RenderTimings& timings)
     : executor(device),
       terrain(device, std::move(sources), scene.terrain),
+      terrain_shadow_map(device),
+      terrain_shadow(device),
       night_sky(device, sky_sources),
       background(device, static_cast<uint32_t>(spectral_groups(scene.atmosphere))),
       composite(device),
@@ -195,6 +197,9 @@ RenderResult Renderer::render(const RenderRequest& request) {
                              .ground_albedo = scene_.atmosphere.ground_albedo};
     background.shafts = p.shafts.add_constants(graph, frame, scene_.shafts, scene_.haze, air);
     background.haze_layers = static_cast<uint32_t>(drawn_haze(scene_.haze).size());
+    if (scene_.terrain.shadows && p.terrain_shadow_map.update(p.terrain.heights(), frame))
+      background.sun_visibility = p.terrain_shadow.add(
+          graph, frame, out.terrain, p.terrain_shadow_map.import_into(graph), background.sun_visibility);
     out.background = p.background.add(graph, frame, scene_.atmosphere, background);
     CloudMarchPass::Outputs marched;
     if (p.clouds) {
@@ -244,6 +249,8 @@ RenderResult Renderer::render(const RenderRequest& request) {
                                                          .cloud_info = out.cloud_info},
                                                         shadow);
         graph.keep(out.shadow_layers);
+      } else if (background.sun_visibility) {
+        graph.keep(background.sun_visibility);
       }
     }
     p.executor.run(graph);
@@ -264,6 +271,11 @@ RenderResult Renderer::render(const RenderRequest& request) {
         readback.cloud.assign(4 * pixels, 0.0f);
         readback.cloud_info.assign(4 * pixels, 0.0f);
         readback.shadow.assign(2 * pixels, 1.0f);
+        if (background.sun_visibility) {
+          const std::vector<float> shares = p.executor.read<float>(background.sun_visibility);
+          for (size_t k = 0; k < pixels; ++k)
+            if (readback.depth_m[k] < 0.5f * shared::kFarDepth_m) readback.shadow[2 * k] = shares[k];
+        }
         for (size_t k = 0; k < pixels; ++k) {
           readback.cloud[4 * k + 3] = 1.0f;
           readback.cloud_info[4 * k] = shared::kFarDepth_m;

@@ -14,6 +14,7 @@
 #include "render/night_sky.h"
 #include "render/reference_tracer.h"
 #include "render/renderer.h"
+#include "render/terrain_shadow_pass.h"
 #include "render/shaft_pass.h"
 #include "terrain/ground_map.h"
 #include "terrain/terrain.h"
@@ -45,6 +46,8 @@ struct Renderer::Parts {
 
   gpu::GraphExecutor executor;
   Terrain terrain;
+  TerrainShadowMap terrain_shadow_map;
+  TerrainShadowPass terrain_shadow;
   NightSky night_sky;
   std::unique_ptr<AtmosphereTables> atmosphere;
   std::unique_ptr<AtmosphereTables> next_atmosphere;  ///< being computed, see Renderer::set_atmosphere

@@ -36,6 +36,7 @@ struct TerrainParams {
   std::vector<std::string> elevation;  ///< raster files over the default Earth, later over earlier
   bool default_earth = true;           ///< elevation and imagery from Debian packages where they are installed
   double screen_error_px = 1.0;        ///< level of detail: largest geometric error on screen, px, > 0
+  bool shadows = true;                 ///< mountains shade other ground (docs/light.md)
   bool operator==(const TerrainParams&) const = default;
 };
 

@@ -107,6 +107,7 @@ void describe(FieldVisitor& v, TerrainParams& p) {
           .range = closed(0.05, 64),
           .term = "screen-space error"},
          &p.screen_error_px);
+  v.leaf({.name = "shadows", .doc = "mountains shade other ground", .term = "cast shadows"}, &p.shadows);
 }
 
 void describe(FieldVisitor& v, ImageryParams& p) {
