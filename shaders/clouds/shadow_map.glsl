@@ -44,11 +44,17 @@ float shadow_read(uint k, vec3 p_cam, vec2 shift) {
   at.xy += shift - 0.5;
   vec2 whole = floor(at.xy), part = at.xy - whole;
   uvec2 low = uvec2(clamp(whole, vec2(0.0), vec2(float(SHADOW.resolution) - 2.0)));
-  float x = clamp(at.z, 0.0, 65535.0), sum = 0.0, depth = 0.0, behind = 0.0;
+  // Texels that are wide against the layer are asked at the point's height, not at its depth: across them the layer rises
+  // towards the light by more than it is thick.
+  vec3 up = geodetic_up(CLOUD_PLANET, p_cam);
+  float flat_part = clamp(5.0 * c.texel_m / SHADOW.thickness_m - 0.5, 0.0, 1.0);
+  vec2 rise = vec2(dot(up, SHADOW.axis_x), dot(up, SHADOW.axis_y)) * (flat_part * c.texel_m / (max(dot(up, SHADOW.light), 0.05) * c.depth_unit_m));
+  float sum = 0.0, depth = 0.0, behind = 0.0;
   for (uint i = 0u; i < 4u; ++i) {
     uvec2 corner = uvec2(i & 1u, i >> 1);
     uvec4 texel = texelFetch(cloud_shadow_map, ivec3(shadow_place(c, low + corner, SHADOW.resolution), k), 0);
     vec2 w = mix(1.0 - part, part, vec2(corner));
+    float x = clamp(at.z + dot(rise, vec2(corner) - part), 0.0, 65535.0);
     float tau = shadow_depth_at(texel, x);
     sum += w.x * w.y * exp(-tau);
     depth += w.x * w.y * tau;

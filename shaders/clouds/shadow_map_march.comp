@@ -15,7 +15,7 @@ layout(scalar, set = 0, binding = 21) readonly buffer TileBlock { ShadowTileWork
 layout(set = 0, binding = 22, rgba32ui) uniform uimage2DArray shadow_map;
 layout(constant_id = 5) const uint DETAIL = 1u;   // noises besides the fields: 1 billows, 2 turbulence as well, 3 all
 layout(constant_id = 6) const bool MERGE = false; // the mean with what the texels hold already
-layout(push_constant, scalar) uniform PushBlock { uint first; float step_scale; uint use_mean; float footprint; } push;
+layout(push_constant, scalar) uniform PushBlock { uint first; float step_scale; float footprint; } push;
 
 const float kSunwards_m = 60.0e3;  // clouds further towards the light than this from everything in view are left out
 const float kBillowReach = 0.60;   // most that billows add to a level, but for rare peaks
@@ -115,9 +115,9 @@ ShadowTexel march_texel(ShadowCascade cascade, vec2 texel, uvec2 todo, float jit
   for (uint l = 0u; l < LAYERS; ++l)
     if (casts(l)) shortest = min(shortest, CLOUD.layers[l].step_m);
   float knots[6] = float[6](1.0e9, 1.0e9, 1.0e9, 1.0e9, 1.0e9, 1.0e9);
-  float tau = 0.0, end_u = 0.0, u = 0.0, fine = shortest;
+  float tau = 0.0, behind = 0.0, end_u = 0.0, u = 0.0, fine = shortest;
   int steps = 0;
-  while (steps < kMostSteps && u < total && tau < kShadowDeepest) {
+  while (steps < kMostSteps && u < total && min(tau, behind) < kShadowDeepest) {
     ++steps;
     // On to the next piece that may hold cloud.
     uint slab = min(uint(u / slab_m), cascade.slabs - 1u);
@@ -130,7 +130,7 @@ ShadowTexel march_texel(ShadowCascade cascade, vec2 texel, uvec2 todo, float jit
     vec3 p = f.origin + f.dir * f.s;
     float climb = abs(dot(here.up, f.dir));
     CloudWeather w = mix_weather(w0, w1, at / max(total, 1.0));
-    float sigma = 0.0, advance_m = slab_m;
+    float sigma = 0.0, clumped = 0.0, advance_m = slab_m;
     for (uint l = 0u; l < LAYERS; ++l) {
       if (!casts(l)) continue;
       CloudColumn c = cloud_column(l, w, p, here.up, here.height_m, log2_footprint);
@@ -145,9 +145,10 @@ ShadowTexel march_texel(ShadowCascade cascade, vec2 texel, uvec2 todo, float jit
       if (DETAIL > 2u) level += cloud_detail_level(l, c, churn, p, eta, log2_footprint, unknown);
       else unknown += kDetailWeight * kDetailWeight * CLOUD.layers[l].detail_amount * CLOUD.layers[l].detail_amount;
       CloudMedium medium = cloud_medium(l, c.density, level, unknown, 0.0, eta, footprint_m);
-      float s = push.use_mean != 0u ? medium.mean_per_m : medium.sigma_per_m;
+      float s = medium.mean_per_m;
       if (eta > 0.0 && eta < 1.0) {
         sigma += s;
+        clumped += medium.sigma_per_m;
         float apart = kLevelApart * CLOUD.layers[l].cell_size_m;
         float step_m = s > 0.0 ? (tau > 2.0 ? 2.0 * own : own) : clamp(-level * apart - kBillowReach * CLOUD.layers[l].shape_amount * apart, own, 4.0 * own);
         advance_m = min(advance_m, step_m);
@@ -163,6 +164,7 @@ ShadowTexel march_texel(ShadowCascade cascade, vec2 texel, uvec2 todo, float jit
         if (tau < t && after >= t) knots[i] = u + (t - tau) * per;
       }
       tau = after;
+      behind += clumped * step_m;
       end_u = u + step_m;
     }
     u += max(step_m, 0.5);
@@ -181,7 +183,7 @@ ShadowTexel march_texel(ShadowCascade cascade, vec2 texel, uvec2 todo, float jit
     result.at[i] = reached ? x : tau > t0 ? beyond : 65535.0;
     before = clamp(reached ? x : 0.0, 0.0, 65535.0);
   }
-  result.depth = min(tau, kShadowDeepest);
+  result.depth = min(behind, kShadowDeepest);
   result.end = zero - way_z(way, end_u) * unit;
   return result;
 }
@@ -189,30 +191,27 @@ ShadowTexel march_texel(ShadowCascade cascade, vec2 texel, uvec2 todo, float jit
 // The transmittances' mean of two texels, as a texel.
 ShadowTexel merge(uvec4 old, uvec4 fresh, float share) {
   ShadowTexel result;
-  float whole = -log(mix(exp(-shadow_depth_at(old, 65535.0)), exp(-shadow_depth_at(fresh, 65535.0)), share));
-  // 16 halvings for each of the knots and the end.
-  float found[7];
-  for (int i = 0; i < 7; ++i) {
-    float wanted = i < 6 ? max(shadow_knot(i), 0.004) : min(whole, kShadowDeepest) - 1.0e-3;
-    float low = 0.0, high = 65535.0;
-    for (int k = 0; k < 16; ++k) {
-      float x = 0.5 * (low + high);
-      float t = -log(mix(exp(-shadow_depth_at(old, x)), exp(-shadow_depth_at(fresh, x)), share));
-      if (t < wanted) low = x;
-      else high = x;
-    }
-    found[i] = high;
-  }
+  float end_old = float(old.w >> 16u), end_fresh = float(fresh.w >> 16u);
+  bool some_old = (old.w & 0xffffu) != 0u, some_fresh = (fresh.w & 0xffffu) != 0u;
+  result.end = max(some_old ? end_old : 0.0, some_fresh ? end_fresh : 0.0);
+  result.depth = min(-log(mix(exp(-shadow_depth_at(old, 65535.0)), exp(-shadow_depth_at(fresh, 65535.0)), share)), kShadowDeepest);
+  float whole = -log(mix(exp(-shadow_depth_at(old, result.end - 1.0)), exp(-shadow_depth_at(fresh, result.end - 1.0)), share));
   float before = 0.0;
   for (int i = 0; i < 6; ++i) {
-    float t = shadow_knot(i), t0 = i == 0 ? 0.0 : shadow_knot(max(i - 1, 0));
-    bool reached = whole >= max(t, 0.004);
-    float beyond = i > 0 && whole > t0 + 1.0e-3 ? before + (found[6] - before) * (t - t0) / (whole - t0) : 65535.0;
-    result.at[i] = reached ? found[i] : beyond;
-    before = reached ? found[i] : 0.0;
+    // By 16 halvings.
+    float t = shadow_knot(i), t0 = i == 0 ? 0.0 : shadow_knot(max(i - 1, 0)), wanted = max(t, 0.004);
+    float low = 0.0, high = result.end;
+    for (int k = 0; k < 16; ++k) {
+      float x = 0.5 * (low + high);
+      float depth = -log(mix(exp(-shadow_depth_at(old, x)), exp(-shadow_depth_at(fresh, x)), share));
+      if (depth < wanted) low = x;
+      else high = x;
+    }
+    bool reached = whole >= wanted;
+    float beyond = i > 0 && whole > t0 + 1.0e-3 ? before + (result.end - before) * (t - t0) / (whole - t0) : 65535.0;
+    result.at[i] = reached ? high : beyond;
+    before = reached ? high : 0.0;
   }
-  result.depth = min(whole, kShadowDeepest);
-  result.end = found[6];
   return result;
 }
 

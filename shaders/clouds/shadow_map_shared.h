@@ -31,6 +31,7 @@ struct ShadowMaps {
   vec3 light;           // unit, towards the light
   float outside;        // transmittance below the clouds where no map is
   float hull_low_m, hull_high_m;  // geodetic heights between which clouds cast shadows
+  float thickness_m;    // of the thinnest casting layer
   ShadowCascade at[4];
   uint usable[2048];    // a bit per tile of the window, row by row: it and its neighbours are marched
 };
@@ -43,7 +44,9 @@ struct ShadowTileWork {
 };
 
 // What a texel holds: along its ray, away from the light, the depths at which the optical depth reaches kShadowKnots, in units
-// of depth_unit_m from (-32768) units on; then the whole optical depth and the depth at which it is reached.
+// of depth_unit_m from (-32768) units on; then the depth behind which there is no more cloud, and the optical depth there.
+// Where clouds are smaller than a texel the two disagree: a point inside is in the thick of one, a point behind may see the
+// light past all of them.
 // A knot that is never reached lies on the line through the last one and the end, where that is, and at the far end beyond.
 SHARED_CONST int kShadowKnotCount = 6;
 SHARED_CONST float kShadowDeepest = 8.0f;  // marches stop there
@@ -52,7 +55,7 @@ SHARED_FN float shadow_knot(int i) {
 }
 struct ShadowTexel {
   float at[6];   // depths, 0..65535
-  float depth;   // whole optical depth
+  float depth;   // whole optical depth, for points behind
   float end;
 };
 
@@ -75,7 +78,7 @@ SHARED_FN float shadow_depth_at(uvec4 texel, float x) {
   float whole = float(texel.w & 0xffffu) * (kShadowDeepest / 65535.0f), end = float(texel.w >> 16u);
   float depth = 0.25f * shadow_ramp(x, a0, a1) + 0.35f * shadow_ramp(x, a1, a2) + 0.5f * shadow_ramp(x, a2, a3) + 0.8f * shadow_ramp(x, a3, a4) +
                 1.3f * shadow_ramp(x, a4, a5) + max(whole - 3.2f, 0.0f) * shadow_ramp(x, a5, end);
-  return min(depth, whole);
+  return x >= end ? whole : depth;
 }
 
 // A texel of the window's place in storage.

@@ -28,7 +28,7 @@ bool meet_shell(const glm::dvec3& q, const glm::dvec3& d, double radius_m, doubl
 double automatic_shadow_range_m(double camera_height_m, double top_m) {
   const double a = Ellipsoid::wgs84().a_m, h = std::max(camera_height_m, 2.0), top = std::max(top_m, 100.0);
   const double limb = std::sqrt(h * (2.0 * a + h)) + std::sqrt(top * (2.0 * a + top));
-  return std::min(36e3 + 8.0 * h, limb);
+  return std::min(30e3 + 4.0 * h + h * h / 50e3, limb);
 }
 
 std::vector<ShadowSlice> shadow_slices(const CloudShadowParams& params, double nearest_m, double far_m) {

@@ -11,7 +11,7 @@ namespace nepho {
 namespace {
 
 static_assert(sizeof(shared::ShadowCascade) == 48);
-static_assert(sizeof(shared::ShadowMaps) == 56 + 4 * 48 + 4 * 2048);
+static_assert(sizeof(shared::ShadowMaps) == 60 + 4 * 48 + 4 * 2048);
 static_assert(sizeof(shared::ShadowTileWork) == 16);
 constexpr uint32_t kTile = shared::kShadowTile;
 
@@ -24,7 +24,6 @@ constexpr uint32_t kMostGroups = 60000;   // of a dispatch
 struct MarchPush {
   uint32_t first;
   float step_scale;
-  uint32_t use_mean;
   float footprint;
 };
 
@@ -50,6 +49,7 @@ CloudShadowMaps::CloudShadowMaps(gpu::Device& device, const Clouds& clouds, cons
   const shared::CloudConstants& c = clouds.constants();
   const uint32_t tiles = std::clamp(params.resolution, 2 * kTile, shared::kShadowResolution) / kTile;
   const bool some = params.enabled && c.caster_count > 0 && !(c.uniform_density > 0.0f);
+  double thickness_m = 1e9;
   if (some) {
     low_m_ = 1e9;
     high_m_ = -1e9;
@@ -58,6 +58,7 @@ CloudShadowMaps::CloudShadowMaps(gpu::Device& device, const Clouds& clouds, cons
       low_m_ = std::min(low_m_, range.low_m);
       high_m_ = std::max(high_m_, range.high_m);
       const shared::CloudLayerConstants& layer = c.layers[c.casters[k]];
+      thickness_m = std::min(thickness_m, static_cast<double>(layer.thickness_m));
       drift_mps_ = std::max(drift_mps_, static_cast<double>(length(layer.wind_mps) + layer.evolution_mps));
     }
     drift_mps_ += std::abs(clouds.params().weather.drift_east_mps);
@@ -67,6 +68,7 @@ CloudShadowMaps::CloudShadowMaps(gpu::Device& device, const Clouds& clouds, cons
   data_.resolution = tiles * kTile;
   data_.outside = mean_transmittance(clouds.params());
   data_.hull_low_m = static_cast<float>(low_m_);
+  data_.thickness_m = static_cast<float>(thickness_m);
   data_.hull_high_m = static_cast<float>(high_m_);
   for (Cascade& cascade : cascades_) {
     cascade.grid.tiles = tiles;
@@ -259,7 +261,7 @@ void CloudShadowMaps::add_march(FrameGraph& graph, const FrameInfo& frame, const
   pass.record([this, &pipeline, count = static_cast<uint32_t>(tiles.size())](gpu::Commands& cmd) {
     cmd.bind(pipeline);
     for (uint32_t first = 0; first < count; first += kMostGroups)
-      cmd.push(MarchPush{first, march_.step_scale, march_.mean ? 1u : 0u, march_.footprint})
+      cmd.push(MarchPush{first, march_.step_scale, march_.footprint})
           .dispatch_threads(64 * std::min(kMostGroups, count - first));
   });
 }

@@ -46,7 +46,6 @@ class CloudShadowMaps {
     uint32_t detail = 0;      ///< noises: 1 billows, 2 turbulence as well, 3 all; 0: by the size of texels
     float step_scale = 1.0f;  ///< of its steps
     float footprint = 0.5f;   ///< in texels
-    bool mean = true;         ///< mean extinction of a footprint; else that of its clumps
   };
   void set_march(const March& march);
   /// Forgets all maps.

@@ -1,6 +1,3 @@
-#include <chrono>
-#include <cstdio>
-#include <ctime>
 #include <optional>
 
 #include "clouds/cloud_test_tools.h"
@@ -66,16 +63,12 @@ struct Rig {
     for (const gpu::PassTiming& t : gpu.executor.timings()) count += t.name.starts_with(name) ? 1 : 0;
     return count;
   }
-  double update_ms(const View& view) {
-    const auto start = std::chrono::steady_clock::now();
+  void update(const View& view) {
     FrameGraph graph;
     FrameInfo frame = frame_of(view);
     frame.buffer = graph.constants("frame", frame.constants);
     maps.add(graph, frame, import_cloud_density(graph, frame, clouds));
-    const std::clock_t cpu = std::clock();
     gpu.executor.run(graph);
-    cpu_ms = 1e3 * static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC;
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   }
   std::vector<Answer> ask(const View& view, const std::vector<glm::vec3>& points, float step_m) {
     FrameGraph graph;
@@ -99,7 +92,6 @@ struct Rig {
     return gpu.executor.read<Answer>(out);
   }
   GpuFixture& gpu;
-  double cpu_ms = 0.0;
   Clouds clouds;
   CloudShadowMaps maps;
   gpu::ComputePipeline probe;
@@ -203,8 +195,8 @@ void check_accuracy(const Accuracy& a, size_t count, const std::string& what) {
                << a.inside.mean_truth);
   CHECK(a.ground.count == count);
   CHECK(a.inside.count == count);
-  // Of a few hundred points the mean of errors with a spread of 0.08 is known to 0.006: so much is added to the bounds.
-  const double unsure = full_size() ? 0.0 : 0.006;
+  // Of 300 points the mean of errors with a spread of 0.09 is known to 0.005: twice that is added to the bounds.
+  const double unsure = full_size() ? 0.0 : 0.01;
   CHECK(a.ground.mean_abs <= 0.03 + unsure);
   CHECK(a.inside.mean_abs <= 0.06 + unsure);
   CHECK(std::abs(a.ground.bias) <= 0.015 + unsure);
@@ -218,12 +210,12 @@ TEST_CASE("gpu: shadow maps are within 0.03 of a fine march on the ground, withi
   for (const double elevation : full_size() ? std::vector<double>{60.0, 30.0, 10.0} : std::vector<double>{60.0}) {
     View view;
     view.sun_elevation_deg = elevation;
-    rig.update_ms(view);
+    rig.update(view);
     check_accuracy(measure(rig, view, count), count, fmt::format("sun {} deg", elevation));
   }
   // The mean of several marches of the same maps is no worse.
   View view;
-  for (int i = 0; i < 20; ++i) rig.update_ms(view);
+  for (int i = 0; i < 20; ++i) rig.update(view);
   CHECK(rig.maps.work().marched == 0);
   check_accuracy(measure(rig, view, count), count, "sun 60 deg, resolved");
 }
@@ -232,7 +224,7 @@ TEST_CASE("gpu: a shadow's edge on the ground is within a texel of the true one"
   GpuFixture gpu;
   Rig rig(gpu, cumulus());
   const View view;
-  rig.update_ms(view);
+  rig.update(view);
   const shared::ShadowMaps& d = rig.maps.data();
   const FrameInfo frame = frame_of(view);
   // Lines across the ground in the first cascade, points a quarter of a texel apart.
@@ -280,7 +272,7 @@ TEST_CASE("gpu: a camera that moves by a metre keeps its maps and the light on t
   shadows.rounds = 1;  // what is seen is the camera's doing alone
   Rig rig(gpu, cumulus(), shadows);
   View before;
-  rig.update_ms(before);
+  rig.update(before);
   const shared::ShadowMaps first = rig.maps.data();
   const std::vector<glm::vec3> points = ground_points(before, 400, first.at[2].reach_m);
   const std::vector<Answer> seen = rig.ask(before, points, 0.0f);
@@ -289,7 +281,7 @@ TEST_CASE("gpu: a camera that moves by a metre keeps its maps and the light on t
   after.north_m = 0.6;
   for (const bool anew : {false, true}) {  // kept maps, and maps made from the new place
     if (anew) rig.maps.reset();
-    rig.update_ms(after);
+    rig.update(after);
     const glm::vec3 moved(frame_of(after).camera_ecef_m - frame_of(before).camera_ecef_m);
     std::vector<glm::vec3> same;
     for (const glm::vec3& p : points) same.push_back(p - moved);
@@ -314,7 +306,7 @@ TEST_CASE("gpu: windows move by whole texels, and what stays in view keeps its b
   GpuFixture gpu;
   Rig rig(gpu, cumulus());
   View view;
-  rig.update_ms(view);
+  rig.update(view);
   const shared::ShadowMaps first = rig.maps.data();
   const LightAxes axes = LightAxes::towards(glm::dvec3(first.light));
   const FrameInfo start = frame_of(view);
@@ -324,7 +316,7 @@ TEST_CASE("gpu: windows move by whole texels, and what stays in view keeps its b
   view.north_m = -411.0;
   view.heading_deg = 1.0;
   // One round only: what is there already is not refined.
-  rig.update_ms(view);
+  rig.update(view);
   CHECK(rig.maps.work().marched < all / 2);
   const FrameInfo end = frame_of(view);
   for (uint32_t k = 0; k < first.cascades; ++k) {
@@ -354,33 +346,33 @@ TEST_CASE("gpu: where nothing changes nothing is marched, and no bit changes; ti
   shadows.resolution = 128;
   Rig rig(gpu, params, shadows);
   View view;
-  rig.update_ms(view);
+  rig.update(view);
   const uint32_t needed = rig.maps.work().needed;
   REQUIRE(needed > 100);
   CHECK(rig.maps.work().marched == needed);
   CHECK(rig.passes("clouds.shadow") == 1);
   uint32_t more = 0;
   for (int i = 0; i < 3; ++i) {
-    rig.update_ms(view);
+    rig.update(view);
     CHECK(rig.maps.work().marched <= needed / 3 + 1);
     more += rig.maps.work().marched;
   }
   CHECK(more == needed);
   const std::vector<std::byte> bits = gpu.device.download(rig.maps.image());
   for (int i = 0; i < 3; ++i) {
-    rig.update_ms(view);
+    rig.update(view);
     CHECK(rig.maps.work().marched == 0);
     CHECK(rig.passes("clouds.shadow") == 0);
   }
   CHECK(gpu.device.download(rig.maps.image()) == bits);
   view.time_s += 0.1;  // a metre of wind: a share of them
-  rig.update_ms(view);
+  rig.update(view);
   CHECK(rig.maps.work().marched == (needed + 2) / 3);
   view.time_s += 600.0;  // they are all wrong
-  rig.update_ms(view);
+  rig.update(view);
   CHECK(rig.maps.work().marched == needed);
   view.sun_elevation_deg += 1.0;
-  rig.update_ms(view);
+  rig.update(view);
   CHECK(rig.maps.work().marched == rig.maps.work().needed);
 }
 
