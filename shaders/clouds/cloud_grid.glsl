@@ -1,7 +1,9 @@
 // Extinction and optical depth towards the key light on a grid around the camera: nested maps of columns (region_map.h), cut
 // into slices of height within the bands that hold layers. For light that is smooth; silhouettes are cloud_density.glsl's.
 //
-//   uniform CloudLightConstants as LIGHT; sampler3D grid_tex: r extinction (1/m), g optical depth
+//   uniform CloudLightConstants as LIGHT; sampler3D most_tex: the largest extinction around
+//   (cloud_grid_most.comp); sampler3D grid_tex: r mean extinction (1/m); optical depths to the key light: g of the
+//   mean, b as scaled light meets it, a the same for what scatters there
 #ifndef NEPHO_CLOUD_GRID_GLSL
 #define NEPHO_CLOUD_GRID_GLSL
 #include "clouds/light_shared.h"
@@ -38,29 +40,49 @@ GridPlace grid_place(CloudGrid grid, int band, Place here) {
   return at;
 }
 
-// x extinction, y optical depth to the key light; 0 beyond the last map.
-vec2 grid_read_at(CloudGrid grid, GridPlace at) {
+// The texel's four; 0 beyond the last map.
+vec4 grid_read_at(CloudGrid grid, GridPlace at) {
   float levels = float(grid.map.levels);
   vec3 uvw = vec3(at.xy * (0.5 * exp2(-at.level) / grid.map.half_m) + 0.5, (min(at.level, levels - 1.0) * float(grid.slices) + at.z) / (levels * float(grid.slices)));
-  return at.level < levels ? textureLod(grid_tex, uvw, 0.0).rg : vec2(0.0);
+  return at.level < levels ? textureLod(grid_tex, uvw, 0.0) : vec4(0.0);
 }
 
-vec2 grid_read(CloudGrid grid, int band, Place here) { return grid_read_at(grid, grid_place(grid, band, here)); }
+vec4 grid_read(CloudGrid grid, int band, Place here) { return grid_read_at(grid, grid_place(grid, band, here)); }
 
-// Optical depth from anywhere to the key light, through all layers.
-float grid_sun_depth(CloudGrid grid, vec3 p, vec3 sun) {
+// How far the largest extinction around a place holds along a ray that climbs by `climb`, and that extinction, 1/m. Beyond the
+// last map: nothing, as far as the band goes.
+float grid_most(CloudGrid grid, int band, Place here, float climb, inout float reach) {
+  GridPlace at = grid_place(grid, band, here);
+  if (at.level >= float(grid.map.levels)) return 0.0;
+  float voxel_m = 2.0 * grid.map.half_m / float(grid.texels) * exp2(at.level);
+  float slice_m = (grid.band_high_m[band] - grid.band_low_m[band]) / grid.band_slices[band];
+  ivec3 cell = ivec3((at.xy / voxel_m + 0.5 * float(grid.texels)) * 0.5, (at.level * float(grid.slices) + at.z) * 0.5);
+  reach = min(reach, kMostVoxels * min(voxel_m * inversesqrt(max(1.0 - climb * climb, 1.0e-4)), slice_m / max(abs(climb), 1.0e-3)));
+  return texelFetch(most_tex, cell, 0).r;
+}
+
+// The way along a ray to the end of the band it is in, or over the gap to the next one; kFar_m: it leaves them all.
+float grid_leap(CloudGrid grid, int band, float height_m, float above_m, float below_m, float climb) {
+  if (band >= 0)
+    return climb > 0.0 ? length_rising(grid.band_high_m[band] - height_m + 0.5, climb) : length_sinking(height_m - grid.band_low_m[band] + 0.5, climb);
+  return min(above_m < kFar_m ? length_rising(above_m + 0.5, climb) : kFar_m, below_m < kFar_m ? length_sinking(below_m + 0.5, climb) : kFar_m);
+}
+
+// Optical depths from anywhere to the key light, through all layers: of the mean, and as scaled light meets it. In clear air the
+// grid does not say: on along the ray to where it does.
+const int kClearSteps = 40;
+vec2 grid_sun_depth(CloudGrid grid, vec3 p, vec3 sun) {
   Flight f = flight_from(p, sun);
-  Place here = place_on(f);
-  float above_m, below_m;
-  int band = grid_band(grid, here.height_m, above_m, below_m);
-  if (band < 0) {
-    float climb = dot(here.up, sun);
-    f.s = min(above_m < kFar_m ? length_rising(above_m + 0.5, climb) : kFar_m, below_m < kFar_m ? length_sinking(below_m + 0.5, climb) : kFar_m);
-    if (f.s >= kFar_m) return 0.0;
-    here = place_on(f);
-    band = grid_band(grid, here.height_m, above_m, below_m);
+  for (int i = 0; i < kClearSteps; ++i) {
+    Place here = place_on(f);
+    float above_m, below_m, climb = dot(here.up, sun);
+    int band = grid_band(grid, here.height_m, above_m, below_m);
+    float reach = grid_leap(grid, band, here.height_m, above_m, below_m, climb);
+    if (band >= 0 && grid_most(grid, band, here, climb, reach) > 0.0) return grid_read(grid, band, here).yz;
+    if (reach >= kFar_m) break;
+    f.s += max(reach, 1.0);
   }
-  return band >= 0 ? grid_read(grid, band, here).y : 0.0;
+  return vec2(0.0);
 }
 
 #endif

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Extinction of all layers at the centres of the grid's voxels, a column each invocation, with the footprint of a voxel.
+// Of all layers, r: mean extinction; g: extinction as scaled light on its way meets it; b: what the clump that scatters adds to
+// the optical depth (as unscaled). At the centres of the grid's voxels, a column each invocation, with the footprint of a voxel.
 #include "clouds/light_shared.h"
 #include "common/frame.h"
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -9,7 +10,7 @@ layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_d
 #include "clouds/cloud_density.glsl"
 #include "clouds/flight.glsl"
 layout(scalar, set = 0, binding = 20) uniform LightBlock { CloudLightConstants data; } light;
-layout(set = 0, binding = 21, r16f) uniform image3D out_grid;
+layout(set = 0, binding = 21, rgba16f) uniform image3D out_grid;
 layout(push_constant, scalar) uniform PushBlock { uint level; } push;
 
 // A point given by its direction from the Earth's centre (scaled space) and its geodetic height, camera-relative: to half a metre.
@@ -29,15 +30,16 @@ void main() {
   int quarter = int(grid.texels) / 4;
   bool inner = push.level > 0u && all(greaterThanEqual(at, ivec2(quarter))) && all(lessThan(at, ivec2(3 * quarter)));
   vec3 dir = region_direction(grid.map, xy);
+  float rest = 1.0 - light.data.forward_albedo;
   for (uint b = 0u; b < grid.bands; ++b) {
     int slices = int(grid.band_slices[b]), base = first + int(grid.band_first[b]);
     if (inner) {
       // The mean of the finer level.
       ivec2 child = (at - quarter) * 2;
       for (int i = 0; i < slices; ++i) {
-        float sum = 0.0;
-        for (int k = 0; k < 4; ++k) sum += imageLoad(out_grid, ivec3(child + ivec2(k & 1, k >> 1), base - int(grid.slices) + i)).r;
-        imageStore(out_grid, ivec3(at, base + i), vec4(0.25 * sum));
+        vec3 sum = vec3(0.0);
+        for (int k = 0; k < 4; ++k) sum += imageLoad(out_grid, ivec3(child + ivec2(k & 1, k >> 1), base - int(grid.slices) + i)).rgb;
+        imageStore(out_grid, ivec3(at, base + i), vec4(0.25 * sum, 0.0));
       }
     } else {
       float low_m = grid.band_low_m[b], step_m = (grid.band_high_m[b] - low_m) / float(slices);
@@ -48,19 +50,32 @@ void main() {
       CloudColumn columns[LAYERS];
       for (uint l = 0u; l < LAYERS; ++l) columns[l] = cloud_column(l, weather, foot, up, low_m, log2_footprint);
       for (int i = 0; i < slices; ++i) {
-        float height_m = low_m + (float(i) + 0.5) * step_m, sigma = 0.0;
+        float height_m = low_m + (float(i) + 0.5) * step_m, sigma = 0.0, hiding = 0.0, own = 0.0;
         vec3 p = point_at(CLOUD_PLANET, dir, height_m);
         for (uint l = 0u; l < LAYERS; ++l) {
           float eta = cloud_eta(l, columns[l], height_m);
           if (CLOUD.uniform_density > 0.0) {
             // The share of the slice that the slab fills.
             float thickness = CLOUD.layers[l].thickness_m, rise = 0.5 * step_m / thickness;
-            sigma += (clamp(eta + rise, 0.0, 1.0) - clamp(eta - rise, 0.0, 1.0)) / (2.0 * rise) * CLOUD.uniform_density * CLOUD.layers[l].extinction_per_m;
+            float slab = (clamp(eta + rise, 0.0, 1.0) - clamp(eta - rise, 0.0, 1.0)) / (2.0 * rise) * CLOUD.uniform_density * CLOUD.layers[l].extinction_per_m;
+            sigma += slab;
+            hiding += slab;
           } else if (eta > 0.0 && eta < 1.0) {
-            sigma += cloud_medium_at(l, columns[l], p, up, height_m, log2_footprint).sigma_per_m;
+            // Light finds ways between clumps that the footprint hides, but what it does not miss scatters all of it.
+            CloudMedium m = cloud_medium_at(l, columns[l], p, up, height_m, log2_footprint);
+            sigma += m.mean_per_m;
+            if (m.clump_depth > 0.0) {
+              float size_m = clamp(0.5 * texel_m, 1.0, 0.5 * CLOUD.layers[l].thickness_m), inside = m.clump_depth / size_m;
+              float x = inside * rest * size_m, hides = clumped_extinction(m.mean_per_m / inside, inside * rest, size_m);
+              hiding += hides / rest;
+              // What scatters is in a clump, and its own shade falls on it: mean transmittance over the depth of a clump, instead of that
+              // through as much of the mixture.
+              float depth = x > 1.0e-3 ? -log((1.0 - exp(-x)) / x) : 0.5 * x;
+              own += m.mean_per_m * max(depth - 0.5 * hides * size_m, 0.0) / rest;
+            }
           }
         }
-        imageStore(out_grid, ivec3(at, base + i), vec4(sigma));
+        imageStore(out_grid, ivec3(at, base + i), vec4(sigma, hiding, sigma > 0.0 ? own / sigma : 0.0, 0.0));
       }
     }
   }

@@ -1,15 +1,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Optical depth from the grid's voxels to the key light, through the grid itself: steps of about a voxel that grow with distance.
+// Optical depth from the grid's voxels to the key light, through the grid itself (cloud_grid_bake.comp): mean, and as scaled light meets it: steps of about a voxel that grow with distance.
 #include "common/frame.h"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
 #define CLOUD_PLANET frame.frame_data.planet
 layout(set = 0, binding = 1) uniform sampler3D grid_tex;
+layout(set = 0, binding = 4) uniform sampler3D most_tex;
 #include "clouds/cloud_grid.glsl"
 layout(scalar, set = 0, binding = 2) uniform LightBlock { CloudLightConstants data; } light;
-layout(set = 0, binding = 4) uniform sampler3D most_tex;
-layout(set = 0, binding = 3, rg16f) uniform writeonly image3D out_grid;
+layout(set = 0, binding = 3, rgba16f) uniform writeonly image3D out_grid;
 
 const int kSteps = 64;
 const float kGrowth = 0.06;
@@ -33,10 +33,9 @@ void main() {
   float half_m = region_half_m(grid.map, uint(level));
   float texel_m = 2.0 * half_m / float(grid.texels);
   vec2 xy = (vec2(at.xy) + 0.5) * texel_m - half_m;
-  // Nobody asks where a finer level is read, nor where nothing is around; but at a band's rim rays towards the light are picked up.
+  // Nobody asks where a finer level is read, nor where nothing is around.
   bool wanted = level == 0 || max(abs(xy.x), abs(xy.y)) > 0.5 * half_m * (1.0 - 12.0 / float(grid.texels));
-  bool rim = float(slice) == grid.band_first[band] || float(slice) + 1.0 == grid.band_first[band] + grid.band_slices[band];
-  if (wanted && !rim) wanted = texelFetch(most_tex, at / 2, 0).r > 0.0;
+  if (wanted) wanted = texelFetch(most_tex, at / 2, 0).r > 0.0;
   vec3 sun = frame.frame_data.key_dir;
   float low_m = grid.band_low_m[band], slice_m = (grid.band_high_m[band] - low_m) / grid.band_slices[band];
   vec3 dir = region_direction(grid.map, xy);
@@ -45,15 +44,16 @@ void main() {
   float climb0 = abs(dot(place_on(f).up, sun));
   // A voxel's length along the ray.
   float step_m = 0.7 * min(texel_m / max(sqrt(1.0 - climb0 * climb0), 0.05), slice_m / max(climb0, 0.02));
-  float tau = 0.0, sigma0 = texelFetch(grid_tex, at, 0).r;
+  vec3 here_medium = texelFetch(grid_tex, at, 0).rgb;
+  vec2 tau = vec2(0.0), sigma0 = here_medium.rg;
   for (int i = 0; i < kSteps && wanted; ++i) {
     f.s += step_m;
     Place here = place_on(f);
     float above_m, below_m;
     int b = grid_band(grid, here.height_m, above_m, below_m);
-    float sigma = 0.0;
+    vec2 sigma = vec2(0.0);
     if (b >= 0) {
-      sigma = grid_read(grid, b, here).x;
+      sigma = grid_read(grid, b, here).xy;
       tau += 0.5 * (sigma0 + sigma) * step_m;
     } else {
       tau += 0.5 * sigma0 * step_m;
@@ -65,5 +65,5 @@ void main() {
     sigma0 = sigma;
     step_m *= 1.0 + kGrowth;
   }
-  imageStore(out_grid, at, vec4(texelFetch(grid_tex, at, 0).r, tau, 0.0, 0.0));
+  imageStore(out_grid, at, vec4(here_medium.r, tau, tau.y + here_medium.b));
 }

@@ -7,9 +7,9 @@
 
 // Near the point the density itself is asked, at distances that grow; from there on the grid knows. Slow fields are those of
 // the point.
-const int kSunTaps = 5;
+const int kSunTaps = 4;
 const float kSunGrowth = 1.8;
-const float kFirstTap_m = 16.0;
+const float kFirstTap_m = 20.0;
 
 float cloud_sun_depth(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_m, float log2_footprint) {
   vec3 sun = frame.frame_data.key_dir;
@@ -33,7 +33,7 @@ float cloud_sun_depth(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_m
     from_m += length_m;
     length_m *= kSunGrowth;
   }
-  return depth + grid_sun_depth(light_data.data.grid, p_cam + sun * from_m, sun);
+  return depth + grid_sun_depth(light_data.data.grid, p_cam + sun * from_m, sun).x;
 }
 
 // Sum over the orders k of exp(-tau) (a tau)^k / k! beam[k], where a is the share of extinction that goes straight on; what is

@@ -11,6 +11,7 @@ layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_d
 #include "clouds/octaves.h"
 layout(constant_id = 5) const bool OCTAVES = false;  // multiple scattering by octave_sum() instead of traced light
 layout(set = 0, binding = 24) uniform sampler3D grid_tex;
+layout(set = 0, binding = 28) uniform sampler3D most_tex;
 layout(set = 0, binding = 25) uniform sampler3D cells_tex;  // of light_gather.comp
 layout(set = 0, binding = 26) uniform sampler2D beam_tex;
 layout(scalar, set = 0, binding = 27) uniform LightBlock { CloudLightConstants data; } light_data;
@@ -115,6 +116,8 @@ void main() {
     vec4 beam0 = textureLod(beam_tex, vec2(beam_u, 0.25), 0.0), beam1 = textureLod(beam_tex, vec2(beam_u, 0.75), 0.0);
     float light_from = light_entry(planet, light_data.data.grid, dir);
     vec3 last_cell = vec3(0.0);
+    float waiting = 0.0;
+    bool any_cell = false;
 
     vec3 scaled_dir = scaled_from_cam(planet, dir);
     vec3 entry_q = planet.camera_q_m + scaled_dir * span.x;
@@ -395,8 +398,15 @@ void main() {
           } else {
             float slice = light_slice(light_data.data.cells, at - light_from) / float(light_data.data.cells.slices);
             vec4 cell = textureLod(cells_tex, vec3((vec2(pixel) + 0.5) / vec2(frame.frame_data.size), slice), 0.0);
-            if (cell.a > 0.02) last_cell = cell.rgb / cell.a;
-            light += (w * albedo) * last_cell;
+            // Where no light was traced that of the next place along the ray stands for it.
+            if (cell.a > 0.02) {
+              last_cell = cell.rgb / cell.a;
+              light += waiting * last_cell;
+              waiting = 0.0;
+              any_cell = true;
+            }
+            if (any_cell) light += (w * albedo) * last_cell;
+            else waiting += w * albedo;
           }
           depth_sum += w * at;
           weight_sum += w;

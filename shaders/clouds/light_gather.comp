@@ -14,6 +14,7 @@ layout(scalar, set = 0, binding = 1) uniform CloudBlock { CloudConstants cloud_d
 #define CLOUD cloud.cloud_data
 #define CLOUD_PLANET frame.frame_data.planet
 layout(set = 0, binding = 2) uniform sampler3D grid_tex;
+layout(set = 0, binding = 9) uniform sampler3D most_tex;
 #include "clouds/cloud_grid.glsl"
 #include "clouds/light_cells.glsl"
 layout(scalar, set = 0, binding = 3) uniform LightBlock { CloudLightConstants data; } light;
@@ -24,12 +25,12 @@ layout(set = 0, binding = 10) uniform sampler2D sky_tex;   // of light_sky.comp
 layout(set = 0, binding = 11) uniform sampler2D depth_m;
 layout(set = 0, binding = 12, rgba32f) uniform writeonly image2D out_ground;
 layout(constant_id = 0) const bool SURFACE = false;  // false: cells; true: what falls on the ground at the nodes
-layout(set = 0, binding = 9) uniform sampler3D most_tex;
 #define GROUND_MAP_BINDING 7  // and 8
 #include "terrain/ground_map.glsl"
 
 const int kMostTurns = 40000;
 const float kRouletteBelow = 0.3;
+const int kMostVertices = 192;    // what goes on for longer is lost in thick cloud
 const float kWaterAlbedo = 0.06;  // of a sea, diffuse light, all angles (Jin et al. 2004)
 
 float ground_distance(Flight f) {
@@ -85,7 +86,7 @@ void main() {
   Flight flight = flight_from(origin, dir);
   Place here;
   float weight = 0.0, above_m, below_m;
-  int band = -1;
+  int band = -1, vertices = 0;
   for (int turn = 0; turn < kMostTurns && valid > 0.0; ++turn) {
     bool begin = false;
     vec3 start = vec3(0.0), way = vec3(0.0);
@@ -96,24 +97,17 @@ void main() {
       way = SURFACE ? sample_cosine_hemisphere(normal, u) : direction_about(dir, sample_dual_hg_cosine(CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight, u.x), u.y);
       start = origin;
       weight = 1.0;
+      vertices = 0;
       alive = begin = true;
       ++path;
     } else {
       // On to the next tentative collision; or as far as the majorant holds, or over a gap between bands.
       float climb = dot(flight.dir, here.up);
-      float reach = min(above_m < kFar_m ? length_rising(above_m + 0.5, climb) : kFar_m, below_m < kFar_m ? length_sinking(below_m + 0.5, climb) : kFar_m);
+      float reach = grid_leap(grid, band, here.height_m, above_m, below_m, climb);
       bool tentative = false;
       float majorant = 0.0;
       if (band >= 0) {
-        float slice_m = (grid.band_high_m[band] - grid.band_low_m[band]) / grid.band_slices[band];
-        reach = climb > 0.0 ? length_rising(grid.band_high_m[band] - here.height_m + 0.5, climb) : length_sinking(here.height_m - grid.band_low_m[band] + 0.5, climb);
-        GridPlace at = grid_place(grid, band, here);
-        if (at.level < float(grid.map.levels)) {
-          float voxel_m = 2.0 * grid.map.half_m / float(grid.texels) * exp2(at.level);
-          ivec3 cell = ivec3((at.xy / voxel_m + 0.5 * float(grid.texels)) * 0.5, (at.level * float(grid.slices) + at.z) * 0.5);
-          majorant = rest * texelFetch(most_tex, cell, 0).r;
-          reach = min(reach, kMostVoxels * min(voxel_m * inversesqrt(max(1.0 - climb * climb, 1.0e-4)), slice_m / max(abs(climb), 1.0e-3)));
-        }
+        majorant = rest * grid_most(grid, band, here, climb, reach);
         float draw = -log(1.0 - random_unit(random));
         if (draw < majorant * reach) {
           tentative = true;
@@ -133,7 +127,7 @@ void main() {
           vec3 p = flight.origin + flight.dir * flight.s;
           GroundPoint ground = ground_at(light.data.ground, here.dir);
           weight *= mix(dot(ground.albedo, vec3(0.2126, 0.7152, 0.0722)), kWaterAlbedo, ground.water);
-          sum.z += weight / kPi * exp(-rest * grid_sun_depth(grid, p, sun));
+          sum.z += weight / kPi * exp(-rest * grid_sun_depth(grid, p, sun).y);
           begin = true;
           start = p + here.up;
           way = sample_cosine_hemisphere(here.up, draw);
@@ -142,17 +136,18 @@ void main() {
         here = place_on(flight);
         band = grid_band(grid, here.height_m, above_m, below_m);
         if (tentative && band >= 0) {
-          vec2 medium = grid_read(grid, band, here);
+          vec4 medium = grid_read(grid, band, here);
           if (chance * majorant < rest * medium.x) {
             weight *= light.data.wide_albedo;
-            sum.x += weight * phase_hg(dot(flight.dir, sun), light.data.wide_g) * exp(-rest * medium.y);
+            sum.x += weight * phase_hg(dot(flight.dir, sun), light.data.wide_g) * exp(-rest * min(medium.y, medium.w));
             begin = true;
             start = flight.origin + flight.dir * flight.s;
             way = direction_about(flight.dir, sample_hg_cosine(light.data.wide_g, draw.x), draw.y);
           }
         }
       }
-      if (begin && weight < kRouletteBelow) {
+      if (begin && ++vertices > kMostVertices) alive = false;
+      if (alive && begin && weight < kRouletteBelow) {
         alive = random_unit(random) < weight / kRouletteBelow;
         weight = kRouletteBelow;
       }
@@ -168,8 +163,9 @@ void main() {
   if (SURFACE) {
     sum *= kPi;
     // Light that went nearly straight on falls as if it came from the light itself.
-    float tau = grid_sun_depth(grid, origin, sun), mu = max(dot(normal, sun), 0.0);
-    sum.x += mu * (exp(-rest * tau) - exp(-tau));
+    vec2 tau = grid_sun_depth(grid, origin, sun);
+    float mu = max(dot(normal, sun), 0.0);
+    sum.x += mu * (exp(-rest * tau.y) - exp(-tau.x));
     imageStore(out_ground, ivec2(node), vec4(sum, distance_m));
   } else {
     imageStore(out_cells, ivec3(node, slice), vec4(sum, valid));

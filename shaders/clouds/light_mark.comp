@@ -6,13 +6,14 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
 #define CLOUD_PLANET frame.frame_data.planet
 layout(set = 0, binding = 1) uniform sampler3D grid_tex;
+layout(set = 0, binding = 5) uniform sampler3D most_tex;
 #include "clouds/cloud_grid.glsl"
 #include "clouds/light_cells.glsl"
 layout(scalar, set = 0, binding = 2) uniform LightBlock { CloudLightConstants data; } light;
 layout(scalar, set = 0, binding = 3) buffer MarkBlock { uint at[]; } marks;
 layout(set = 0, binding = 4) uniform sampler2D depth_m;
 
-const float kDeepest = 9.0;      // optical depth of the grid beyond which nothing is seen
+const float kDeepest = 30.0;     // optical depth of the grid beyond which nothing is seen, through gaps that it does not know
 const float kThinnest = 1.0e-6;  // 1/m
 
 void main() {

@@ -20,9 +20,9 @@ namespace nepho {
 namespace {
 
 constexpr uint32_t kSlices = 384;   ///< of cells along a ray
-constexpr uint32_t kPaths = 32;     ///< through each cell
-constexpr uint32_t kMostNodes = 96;  ///< of cells along the longer side of the picture
-constexpr uint32_t kNode_px = 4;     ///< pixels between nodes in small pictures
+constexpr uint32_t kPaths = 16;     ///< through each cell
+constexpr uint32_t kMostNodes = 128;  ///< of cells along the longer side of the picture
+constexpr uint32_t kNode_px = 2;     ///< pixels between nodes in small pictures
 
 shared::LightCells cells_for(Extent2D extent) {
   const uint32_t longest = std::max(extent.width, extent.height);
@@ -42,7 +42,7 @@ shared::LightCells cells_for(Extent2D extent) {
 
 shared::CloudGrid grid_places(const Clouds& clouds, const shared::RegionMap& map) {
   const auto env = [](const char* n, double d) { const char* v = std::getenv(n); return v ? std::atof(v) : d; };  // TEMP
-  const uint32_t kTexels = env("L_TEX", 128), kGridSlices = env("L_SL", 32);
+  const uint32_t kTexels = env("L_TEX", 192), kGridSlices = env("L_SL", 48);
   const shared::CloudBounds bands = cloud_bands(clouds, kGridSlices);
   shared::CloudGrid grid{};
   grid.map = map;
@@ -98,7 +98,9 @@ void CloudLight::renew(const CloudParams& params) {
   albedo_ = extinction_per_m > 0.0 ? static_cast<float>(params.scattering_per_m / extinction_per_m) : 1.0f;
   const auto phase = cloud_phase(params);
   const std::vector<double> moments = phase_moments(phase, 3);
-  const PhaseCut cut = cut_phase(moments[1], moments[2]);
+  const char* m = std::getenv("L_M");  // TEMP
+  const std::vector<double> all = phase_moments(phase, 20);
+  const PhaseCut cut = cut_phase(moments[1], all[m ? static_cast<size_t>(std::atoi(m)) : 3]);
   forward_share_ = static_cast<float>(cut.forward_share);
   wide_g_ = static_cast<float>(cut.wide_g);
   const std::vector<float> table = beam_table(phase, cut, shared::kBeamTexels, shared::kBeamOrders);
@@ -123,8 +125,8 @@ void CloudLight::add_grid(FrameGraph& graph, const FrameInfo& frame, const Cloud
   const Extent3D extent{side, side, places.slices * levels};
   const Extent3D half{side / 2, side / 2, extent.depth / 2};
   if (!grid_ || !(grid_.desc().extent == extent)) {
-    extinction_ = device_.create_image({.name = "clouds.grid_extinction", .extent = extent, .format = Format::r16f});
-    grid_ = device_.create_image({.name = "clouds.grid", .extent = extent, .format = Format::rg16f});
+    extinction_ = device_.create_image({.name = "clouds.grid_extinction", .extent = extent, .format = Format::rgba16f});
+    grid_ = device_.create_image({.name = "clouds.grid", .extent = extent, .format = Format::rgba16f});
     most_ = device_.create_image({.name = "clouds.grid_most", .extent = half, .format = Format::r16f});
   }
   const ImageRef extinction = graph.import(extinction_), grid = graph.import(grid_), most = graph.import(most_);
@@ -174,6 +176,7 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
   }
   const shared::LightCells cells = constants.cells = cells_for(frame.extent);
   const float albedo = albedo_;
+  if (const char* t = std::getenv("L_TEST")) constants.test = static_cast<uint32_t>(std::atoi(t));  // TEMP
   constants.forward_share = forward_share_;
   constants.wide_g = wide_g_;
   constants.forward_albedo = albedo * forward_share_;
@@ -187,7 +190,7 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
                 .forward = frame.constants.forward};
   if (!traced_) {  // bound, never read
     const ImageRef none = graph.import(none_);
-    return {.data = data, .grid = none, .cells = none, .ground = {}, .nodes = {}, .beam = graph.import(beam_)};
+    return {.data = data, .grid = none, .most = none, .cells = none, .ground = {}, .nodes = {}, .beam = graph.import(beam_)};
   }
   if (!filled_ || !(key == key_)) {
     add_grid(graph, frame, in.density, data, constants.grid);
@@ -211,6 +214,7 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
   mark.uniform("frame", frame.buffer)
       .uniform("light", data)
       .sample("grid_tex", grid)
+      .sample("most_tex", graph.import(most_), Sampler::nearest_clamp)
       .sample("depth_m", in.depth_m, Sampler::nearest_clamp)
       .read_write("marks", marks);
   mark.record([this, extent = frame.extent, px = cells.stride_px](gpu::Commands& cmd) {
@@ -267,7 +271,7 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
       .sample("in_cells", traced, Sampler::nearest_clamp)
       .write("out_cells", out);
   smooth.record([this, words](gpu::Commands& cmd) { cmd.bind(smooth_).dispatch_threads(words * 32); });
-  return {.data = data, .grid = grid, .cells = out, .ground = ground, .nodes = cells.nodes, .beam = graph.import(beam_)};
+  return {.data = data, .grid = grid, .most = graph.import(most_), .cells = out, .ground = ground, .nodes = cells.nodes, .beam = graph.import(beam_)};
 }
 
 }  // namespace nepho

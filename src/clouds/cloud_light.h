@@ -25,7 +25,8 @@ class CloudLight {
   };
   struct Refs {
     BufferRef data;   ///< shared::CloudLightConstants
-    ImageRef grid;    ///< rg16f, 3D: extinction, 1/m; optical depth to the key light (clouds/cloud_grid.glsl)
+    ImageRef grid;    ///< rgba16f, 3D: extinction and optical depths to the key light (clouds/cloud_grid.glsl)
+    ImageRef most;    ///< r16f, 3D: the largest extinction around
     ImageRef cells;   ///< rgba16f, 3D: shares of key light, sky light and lit ground, 1/sr, times validity; validity
     ImageRef ground;  ///< rgba32f, a texel per node: illuminance of the ground by light that clouds scattered, as shares of
                       ///< key light, sky light and key light on the ground; distance of the ground, m. Empty: octaves

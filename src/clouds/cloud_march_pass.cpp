@@ -41,6 +41,7 @@ CloudMarchPass::Marched CloudMarchPass::add_march(FrameGraph& graph, const Frame
       .sample("cloud_blue", density.noise.blue, Sampler::nearest_clamp)
       .uniform("light_data", light.data)
       .sample("grid_tex", light.grid)
+      .sample("most_tex", light.most, Sampler::nearest_clamp)
       .sample("cells_tex", light.cells)
       .sample("beam_tex", light.beam);
   bind_density(pass, density);
