@@ -11,7 +11,7 @@
 layout(set = 0, binding = TERRAIN_SHADOW_BINDING) uniform sampler2DArray terrain_shadow_tex;
 layout(scalar, set = 0, binding = TERRAIN_SHADOW_BINDING + 1) uniform TerrainShadowBlock { TerrainShadowConstants data; } terrain_shadow;
 
-const int kTerrainShadowSteps = 160;
+const int kTerrainShadowSteps = 224;
 
 // Camera-relative point, ECEF axes; below the map's ground it is lifted onto it. What the planet itself hides of the disc from
 // that height is the atmosphere's (sun_share of atmosphere_shared.h): it is divided out.
@@ -72,7 +72,7 @@ float terrain_sun_share(vec3 point) {
         continue;
       }
     }
-    t += (i > 0 ? 0.5 : 1.0) * texel_m * per_m;  // crests are between texels
+    t += max((i > 0 ? 0.5 : 1.0) * texel_m * per_m, 0.002 * t);  // crests are between texels
   }
   // Above the planet's own horizon, dipped by the height.
   float whole = disc_share((asin(clamp(rising0, -1.0, 1.0)) + sqrt(2.0 * max(start_m, 0.0) / planet.a_m)) / radius);

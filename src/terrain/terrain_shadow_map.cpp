@@ -119,6 +119,7 @@ bool TerrainShadowMap::update(const HeightSampler& heights, const FrameInfo& fra
     const double light_rad = std::asin(std::clamp(static_cast<double>(glm::dot(c.camera_up, c.key_dir)), -1.0, 1.0));
     if (light_rad > kHighestLight_rad || light_rad < kLowestLight_rad) return false;
   }
+  if (heights.highest_land_m() - heights.deepest_land_m() <= static_cast<double>(kEven_m)) return false;
   const shared::RegionMap map = region_for(frame, heights.highest_land_m());
   if (!image_ || heights_ != &heights || !serves(constants_.map, map)) update(heights, map);
   return constants_.highest_m - lowest_m_ > kEven_m;
