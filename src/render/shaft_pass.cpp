@@ -34,6 +34,11 @@ constexpr double kGlowDepth = 0.02;
 
 uint32_t blocks_of(uint32_t pixels, uint32_t side) { return (pixels + side - 1) / side; }
 
+/// With haze every pixel has a ray of its own: what lies low over distant ground changes from row to row.
+uint32_t block_side(const ShaftParams& params, const std::vector<HazeLayer>& haze) {
+  return haze.empty() ? params.downscale : 1;
+}
+
 bool has_shade(const ShaftParams& params, ShaftMethod method, const ShaftPass::Air& air) {
   return air.shadow.map && method != ShaftMethod::none && params.intensity > 0.0;
 }
@@ -160,8 +165,8 @@ ShaftPass::Blocks ShaftPass::add_march(FrameGraph& graph, const FrameInfo& frame
                                        const Inputs& in) {
   const bool shade = has_shade(params, method, air);
   const bool screen = shade && method == ShaftMethod::screen;
-  const Extent2D blocks{blocks_of(frame.extent.width, params.downscale),
-                        blocks_of(frame.extent.height, params.downscale)};
+  const uint32_t side = block_side(params, haze);
+  const Extent2D blocks{blocks_of(frame.extent.width, side), blocks_of(frame.extent.height, side)};
   const auto image = [&](const char* name) {
     return graph.create(name, {.extent = blocks, .format = Format::rgba32f});
   };
@@ -186,7 +191,7 @@ ShaftPass::Blocks ShaftPass::add_march(FrameGraph& graph, const FrameInfo& frame
     march.sample("cloud_radiance", in.cloud, Sampler::nearest_clamp);
   else if (shade)
     bind_cloud_shadow(march, air.shadow);
-  const shared::ShaftMarchPush push{params.downscale, in.cloud ? 1u : 0u,
+  const shared::ShaftMarchPush push{side, in.cloud ? 1u : 0u,
                                     screen ? static_cast<float>(kGlowDepth * params.screen_glow) : 0.0f};
   march.record([&marcher, blocks, push](gpu::Commands& cmd) {
     cmd.bind(marcher).push(push).dispatch_threads(blocks.width, blocks.height);
@@ -225,7 +230,7 @@ ShaftPass::Outputs ShaftPass::add(FrameGraph& graph, const FrameInfo& frame, con
         .sample("cloud_near_tex", blocks.cloud_near, Sampler::nearest_clamp)
         .sample("cloud_far_tex", blocks.cloud_far, Sampler::nearest_clamp)
         .sample("depths_tex", blocks.depths, Sampler::nearest_clamp);
-    const shared::ShaftApplyPush push{params.downscale, has_clouds};
+    const shared::ShaftApplyPush push{block_side(params, layers), has_clouds};
     pass.record([&applier, push, extent = frame.extent](gpu::Commands& cmd) {
       cmd.bind(applier).push(push).dispatch_threads(extent.width, extent.height);
     });
