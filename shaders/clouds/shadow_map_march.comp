@@ -249,10 +249,11 @@ void main() {
   uvec2 within = uvec2(lane & 3u, (lane >> 2) & 3u) + uvec2(block & 1u, block >> 1) * 4u;
   uvec2 todo = uvec2(pieces[2u * block], pieces[2u * block + 1u]);
   uvec2 texel = first + within;
-  // Later rounds move within the texel and along the way (R2 sequence, Roberts 2018).
+  // Later rounds move along the way and within the texel's inner half (R2 sequence, Roberts 2018): all of it would blur edges
+  // that lookups blur already.
   float n = float(tile.round);
-  vec2 inside = tile.round == 0u ? vec2(0.5) : fract(vec2(0.5) + n * vec2(0.7548777, 0.5698403));
-  float jitter = tile.round == 0u ? 0.5 : fract(0.5 + n * 0.6180340);
+  vec2 inside = 0.25 + 0.5 * fract(vec2(0.5) + n * vec2(0.7548777, 0.5698403));
+  float jitter = fract(0.5 + n * 0.6180340);
   uvec4 packed = shadow_pack(march_texel(cascade, vec2(texel) + inside, todo, jitter));
   ivec3 place = ivec3(shadow_place(cascade, texel, cloud_shadow.data.resolution), tile.cascade);
   if (MERGE) packed = shadow_pack(merge(imageLoad(shadow_map, place), packed, 1.0 / (n + 1.0)));
