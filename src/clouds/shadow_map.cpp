@@ -18,7 +18,7 @@ constexpr uint32_t kTile = shared::kShadowTile;
 constexpr double kMargin = 1.06;          // of a new cascade over what it must serve, so that it lasts
 constexpr double kLargest = 1.4;          // a cascade this much larger than needed is made anew
 constexpr double kLowestGround_m = -600;  // no ground that is seen lies lower
-constexpr double kDetailHidden = 0.08;    // of the detail noise's period: texels that hide it
+constexpr double kDetailHidden = 0.06;    // of the detail noise's period: texels that hide it
 constexpr uint32_t kMostGroups = 60000;   // of a dispatch
 
 struct MarchPush {
