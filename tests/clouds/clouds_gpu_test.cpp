@@ -115,10 +115,10 @@ struct CloudFixture : GpuFixture {
         march.add_march(graph, frame, depth_m, density, light.add(graph, frame, {.depth_m = depth_m, .density = density}));
     graph.keep(out.light);
     executor.run(graph);
-    const std::vector<float> light = executor.read<float>(out.light);
+    const std::vector<float> shares = executor.read<float>(out.light);
     glm::vec4 mean(0.0f);
-    for (size_t i = 0; i < light.size(); i += 4) mean += glm::vec4(light[i], light[i + 1], light[i + 2], light[i + 3]);
-    return mean / static_cast<float>(light.size() / 4);
+    for (size_t i = 0; i < shares.size(); i += 4) mean += glm::vec4(shares[i], shares[i + 1], shares[i + 2], shares[i + 3]);
+    return mean / static_cast<float>(shares.size() / 4);
   }
   Picture render(const View& v, const CloudParams& params) {
     const Clouds clouds(device, params);
