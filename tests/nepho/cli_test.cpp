@@ -43,7 +43,7 @@ Run run(std::vector<std::string> arguments) {
                             },
                         .info = [](bool as_json, std::ostream& stream) { stream << (as_json ? "{}" : "text"); },
                         .open_weather = {},
-                        .layer_names = {"depth", "position", "cloud", "variance", "samples"},
+                        .layer_names = {"depth", "position", "cloud", "variance", "samples", "sun.transmittance"},
                         .debug_views = {"weather", "density"},
                         .probe_kinds = {"geodetic_ecef"},
                         .in = in,
@@ -385,6 +385,8 @@ TEST_CASE("what belongs to --quality reference alone, or does not go with it, is
         "/nonexistent/a.exr: no such file");
   CHECK(message_of(render({"--aov", "variance"}), 2) == "--aov variance: written by --quality reference only");
   CHECK(message_of(render({"--aov", "depth,samples"}), 2) == "--aov samples: written by --quality reference only");
+  CHECK(message_of(render({"--quality", "reference", "--aov", "sun.transmittance"}), 2) ==
+        "--aov sun.transmittance: comes from shadow maps, which --quality reference does not use");
   CHECK(message_of(render({"--quality", "reference", "--debug", "weather"}), 2) ==
         "--debug weather: shows the march, which --quality reference does not use");
   CHECK(message_of(render({"--quality", "reference", "--noise", "nan"}), 2).starts_with("--noise: nan is out of"));
@@ -407,7 +409,8 @@ TEST_CASE("outputs: several, of known kinds, in folders that exist") {
       message_of(run({"render", "-o", "/nonexistent/a.png"}), 5).starts_with("/nonexistent/a.png: cannot be written"));
   CHECK(message_of(render({"--timings", "/nonexistent/t.json"}), 5).starts_with("/nonexistent/t.json: "));
   CHECK(message_of(render({"--aov", "dept"}), 2) ==
-        "--aov: 'dept' is unknown; did you mean 'depth'? known: depth, position, cloud, variance, samples");
+        "--aov: 'dept' is unknown; did you mean 'depth'? known: depth, position, cloud, variance, samples, "
+        "sun.transmittance");
 }
 
 TEST_CASE("a missing or wrong input file is status 3, before the device is opened") {

@@ -101,6 +101,7 @@ TEST_CASE("the table of parameters has every member of the scene's structs") {
   CHECK(members_of("clouds.layers[0].density_profile.") == member_count<DensityProfile>());
   CHECK(members_of("clouds.weather.") == member_count<WeatherParams>());
   CHECK(members_of("clouds.noise.") == member_count<CloudNoiseParams>());
+  CHECK(members_of("clouds.shadows.") == member_count<CloudShadowParams>());
   for (const char* texture : {"shape.", "detail.", "turbulence."})
     CHECK(members_of(std::string("clouds.noise.") + texture) == member_count<NoiseTextureParams>());
   CHECK(members_of("terrain.") == member_count<TerrainParams>());
@@ -128,6 +129,9 @@ TEST_CASE("a scene with every parameter changed comes back equal from JSON, bit 
   scene.atmosphere.rayleigh.scale_height_m = 1e5 / 3.0;  // 3 of them fit below the top
   scene.atmosphere.mie.scale_height_m = 1e4 / 3.0;
   scene.render.min_ev100 = -20.0 / 3.0;  // not above max_ev100
+  scene.clouds.shadows.cascades = 4;
+  scene.shafts.downscale = 8;
+  for (HazeLayer& layer : scene.haze.layers) layer.top_m = 3e4;  // above bottom_m
   const std::string text = scene_to_json(scene);
   const Scene back = scene_from_json(text, "s.json");
   CHECK(back == scene);
@@ -138,6 +142,7 @@ TEST_CASE("a scene with every parameter changed comes back equal from JSON, bit 
 TEST_CASE("the JSON of a scene names every parameter") {
   Scene scene;
   scene.camera.look_at.emplace();
+  scene.haze.layers.emplace_back();
   const std::string text = scene_to_json(scene);
   for (const std::string& path : parameter_paths()) {
     CAPTURE(path);
