@@ -103,7 +103,7 @@ SHARED_FN float haze_column_above(HazeLayerData layer, float h) {
 }
 
 // Light that haze has scattered, Eddington's two streams through an even slab without absorption over black ground. Optical depths
-// are those of the isotropic medium that diffuses as much, (1 - g) times the true ones (similarity): `above` the point, `total`.
+// are those of the isotropic medium that diffuses as much, (1 - albedo g) times the true ones (similarity): `above` the point, `total`.
 struct HazeDiffuse {
   float fluence;  // of scattered light at the point, per irradiance
   float ground;   // flux of scattered light on the ground, per irradiance

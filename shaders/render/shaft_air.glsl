@@ -91,11 +91,11 @@ AirSource air_source_at(AirMarch m, float t_m, bool many) {
     for (uint l = 0u; l < HAZE; ++l) {
       HazeLayerData layer = shafts.data.haze.layers[l];
       float along = layer.extinction_per_m * haze_column(layer, shafts.data.haze.radius_m, h, node.mu_s, 1.0e7);
-      to_sun += along * vec2(1.0, 1.0 - layer.g * layer.g);
-      column += layer.extinction_per_m * (1.0 - layer.g) * vec2(haze_column_above(layer, h), haze_column_above(layer, min(h, shafts.data.ground_m)));
+      to_sun += along * vec2(1.0, 1.0 - layer.albedo * layer.g * layer.g);
+      column += layer.extinction_per_m * (1.0 - layer.albedo * layer.g) * vec2(haze_column_above(layer, h), haze_column_above(layer, min(h, shafts.data.ground_m)));
       float here = layer.extinction_per_m * haze_density(layer, h);
       extinction += here;
-      albedo += here * layer.albedo * haze_isotropic_albedo(layer.albedo, layer.g);
+      albedo += here * haze_isotropic_albedo(layer.albedo, layer.g);
     }
     albedo /= extinction;
     column = min(column, vec2(60.0));
@@ -107,7 +107,7 @@ AirSource air_source_at(AirMarch m, float t_m, bool many) {
       HazeLayerData layer = shafts.data.haze.layers[l];
       float here = layer.extinction_per_m * haze_density(layer, h) * layer.albedo;
       scattering += here;
-      direct += here * (phase_hg(m.ray.nu, layer.g) * beam.x + phase_hg(m.ray.nu, layer.g * abs(layer.g)) * layer.albedo * (beam.y - beam.x));
+      direct += here * (phase_hg(m.ray.nu, layer.g) * beam.x + phase_hg(m.ray.nu, layer.g * abs(layer.g)) * (beam.y - beam.x));
     }
     float isotropic = scattering / (4.0 * kPi) / extinction;
     vec3 ground = shafts.data.ground_albedo * (key * (mu0 * exp(-column.y / mu0) + diffuse.ground * survival) + sky * haze_sky_flux(column.y));
