@@ -38,7 +38,6 @@ struct CloudLightConstants {
   float forward_albedo;  // share of extinction that goes straight on: albedo * f
   uint seed;
   uint frame_index;
-  uint test;
 };
 
 // Place along the slices of a point `s_m` beyond the ray's entry; slice i holds i..i+1.

@@ -69,7 +69,7 @@ std::vector<float> beam_table(const std::function<double(double)>& phase, const 
     }
     sums[0] = phase(c);
     for (size_t k = 0; k < orders; ++k)
-      out[((k / 4) * texels + i) * 4 + k % 4] = static_cast<float>(std::max(sums[k], 0.0));
+      out[((k / 4) * texels + i) * 4 + k % 4] = static_cast<float>(sums[k]);
   }
   return out;
 }

@@ -20,30 +20,23 @@ namespace nepho {
 namespace {
 
 constexpr uint32_t kSlices = 384;   ///< of cells along a ray
-constexpr uint32_t kPaths = 16;     ///< through each cell
-constexpr uint32_t kMostNodes = 128;  ///< of cells along the longer side of the picture
-constexpr uint32_t kNode_px = 2;     ///< pixels between nodes in small pictures
-
-shared::LightCells cells_for(Extent2D extent) {
+shared::LightCells cells_for(Extent2D extent, const CloudLight::Quality& quality) {
   const uint32_t longest = std::max(extent.width, extent.height);
-  const auto env = [](const char* n, double d) { const char* v = std::getenv(n); return v ? std::atof(v) : d; };  // TEMP
-  const double px = std::max(env("L_PX", kNode_px), static_cast<double>(longest) / kMostNodes);
+  const double px = std::max(double{quality.node_px}, static_cast<double>(longest) / quality.most_nodes);
   shared::LightCells c{};
   c.nodes = {std::max(2u, static_cast<uint32_t>(std::lround(extent.width / px))),
              std::max(2u, static_cast<uint32_t>(std::lround(extent.height / px)))};
   c.slices = kSlices;
-  c.paths = static_cast<uint32_t>(env("L_PATHS", kPaths));
-  c.first_m = static_cast<float>(env("L_FIRST", 25.0));
-  c.growth = static_cast<float>(env("L_GROW", 0.015));
+  c.paths = quality.paths;
+  c.first_m = 25.0f;
+  c.growth = 0.015f;
   c.log2_ratio = std::log2(1.0f + c.growth);
   c.stride_px = std::max(1u, static_cast<uint32_t>(px / 2.0));
   return c;
 }
 
-shared::CloudGrid grid_places(const Clouds& clouds, const shared::RegionMap& map) {
-  const auto env = [](const char* n, double d) { const char* v = std::getenv(n); return v ? std::atof(v) : d; };  // TEMP
-  const uint32_t kTexels = env("L_TEX", 192), kGridSlices = env("L_SL", 48);
-  const shared::CloudBounds bands = cloud_bands(clouds, kGridSlices);
+shared::CloudGrid grid_places(const Clouds& clouds, const shared::RegionMap& map, const CloudLight::Quality& quality) {
+  const shared::CloudBounds bands = cloud_bands(clouds, quality.grid_slices);
   shared::CloudGrid grid{};
   grid.map = map;
   grid.band_low_m = bands.band_low_m;
@@ -51,16 +44,24 @@ shared::CloudGrid grid_places(const Clouds& clouds, const shared::RegionMap& map
   grid.band_first = bands.band_first;
   grid.band_slices = bands.band_slices;
   grid.bands = bands.bands;
-  grid.texels = kTexels;
-  grid.slices = kGridSlices;
+  grid.texels = quality.grid_texels;
+  grid.slices = quality.grid_slices;
   return grid;
 }
 
 }  // namespace
 
-CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups)
+CloudLight::Quality CloudLight::quality_of(const std::string& preset) {
+  if (preset == "ultra") return {.paths = 48, .node_px = 2, .most_nodes = 160, .grid_texels = 256, .grid_slices = 64};
+  if (preset == "medium") return {.paths = 8, .node_px = 4, .most_nodes = 64, .grid_texels = 128, .grid_slices = 32};
+  return {};
+}
+
+CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups,
+                       const Quality& quality)
     : device_(device),
       clouds_(clouds),
+      quality_(quality),
       sun_(device, {.name = "clouds.grid_sun", .spirv = cloud_grid_sun_comp}),
       spread_{gpu::ComputePipeline(device, {.name = "clouds.most_x", .spirv = cloud_grid_most_comp, .constants = {0}}),
               gpu::ComputePipeline(device, {.name = "clouds.most_y", .spirv = cloud_grid_most_comp, .constants = {1}}),
@@ -77,9 +78,11 @@ CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds, uint32_t spect
   no_albedo_ = device.create_image({.name = "clouds.no_albedo", .extent = {2, 2}, .format = Format::rgba16f, .layers = 2});
   no_height_ = device.create_image({.name = "clouds.no_height", .extent = {2, 2}, .format = Format::r32f, .layers = 2});
   const std::vector<std::byte> zeros(64);
+  std::vector<uint16_t> black_land(16, 0);  // alpha is the share of land
+  for (size_t i = 3; i < black_land.size(); i += 4) black_land[i] = 0x3c00;
   std::vector<gpu::ImageUpload> uploads;
   for (uint32_t layer = 0; layer < 2; ++layer) {
-    uploads.push_back({.image = &no_albedo_, .bytes = std::span(zeros).first(32), .layer = layer});
+    uploads.push_back({.image = &no_albedo_, .bytes = std::as_bytes(std::span(black_land)), .layer = layer});
     uploads.push_back({.image = &no_height_, .bytes = std::span(zeros).first(16), .layer = layer});
   }
   none_ = device.create_image({.name = "clouds.no_light", .extent = {1, 1, 2}, .format = Format::rgba16f});
@@ -97,10 +100,8 @@ void CloudLight::renew(const CloudParams& params) {
   const double extinction_per_m = params.scattering_per_m + params.absorption_per_m;
   albedo_ = extinction_per_m > 0.0 ? static_cast<float>(params.scattering_per_m / extinction_per_m) : 1.0f;
   const auto phase = cloud_phase(params);
-  const std::vector<double> moments = phase_moments(phase, 3);
-  const char* m = std::getenv("L_M");  // TEMP
-  const std::vector<double> all = phase_moments(phase, 20);
-  const PhaseCut cut = cut_phase(moments[1], all[m ? static_cast<size_t>(std::atoi(m)) : 3]);
+  const std::vector<double> moments = phase_moments(phase, 4);
+  const PhaseCut cut = cut_phase(moments[1], moments[3]);
   forward_share_ = static_cast<float>(cut.forward_share);
   wide_g_ = static_cast<float>(cut.wide_g);
   const std::vector<float> table = beam_table(phase, cut, shared::kBeamTexels, shared::kBeamOrders);
@@ -109,7 +110,7 @@ void CloudLight::renew(const CloudParams& params) {
 }
 
 shared::RegionMap CloudLight::region(const FrameInfo& frame) const {
-  const char* vv = std::getenv("L_HALF"); const float kHalf_m = vv ? std::atof(vv) : 4e3f;  // of the finest map: voxels of 62 m
+  constexpr float kHalf_m = 4e3f;  // of the finest map
   double top_m = 0.0;
   for (const Clouds::HeightRange& r : clouds_.layer_ranges()) top_m = std::max(top_m, r.high_m);
   shared::RegionMap map = cloud_region(frame.constants, frame.camera_ecef_m, top_m);
@@ -168,15 +169,14 @@ void CloudLight::add_grid(FrameGraph& graph, const FrameInfo& frame, const Cloud
 CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in) {
   const shared::RegionMap map = region(frame);
   shared::CloudLightConstants constants{};
-  constants.grid = grid_places(clouds_, map);
+  constants.grid = grid_places(clouds_, map, quality_);
   constants.ground = in.ground;
   if (!in.ground_albedo) {
     constants.ground = map;
     constants.ground.levels = 2;
   }
-  const shared::LightCells cells = constants.cells = cells_for(frame.extent);
+  const shared::LightCells cells = constants.cells = cells_for(frame.extent, quality_);
   const float albedo = albedo_;
-  if (const char* t = std::getenv("L_TEST")) constants.test = static_cast<uint32_t>(std::atoi(t));  // TEMP
   constants.forward_share = forward_share_;
   constants.wide_g = wide_g_;
   constants.forward_albedo = albedo * forward_share_;

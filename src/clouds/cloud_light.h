@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <string>
 
 #include "atmosphere/atmosphere_tables.h"
 #include "clouds/cloud_density.h"
@@ -12,9 +13,20 @@ namespace nepho {
 /// cells fanning out from it that hold the light scattered more than once, traced backwards from each cell that is seen.
 class CloudLight {
  public:
+  /// What accuracy costs (docs/light.md has both).
+  struct Quality {
+    uint32_t paths = 16;         ///< through each cell
+    uint32_t node_px = 2;        ///< pixels between nodes, at least
+    uint32_t most_nodes = 128;   ///< along the longer side of the picture
+    uint32_t grid_texels = 192;  ///< along a side of a level of the grid; even
+    uint32_t grid_slices = 48;   ///< of its height; even
+  };
+  /// Of a preset: medium, high, ultra.
+  static Quality quality_of(const std::string& preset);
+
   /// `clouds` must outlive it.
   /// `spectral_groups`: AtmosphereTables::spectral_groups() of the tables that add() gets.
-  CloudLight(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups);
+  CloudLight(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups, const Quality& quality);
 
   struct Inputs {
     ImageRef depth_m;  ///< r32f: distance along the pixel's ray to the surface, m
@@ -53,6 +65,7 @@ class CloudLight {
                 const shared::CloudGrid& places);
   gpu::Device& device_;
   const Clouds& clouds_;
+  Quality quality_;
   std::array<gpu::ComputePipeline, 2> bake_;  ///< by phases - 1
   gpu::ComputePipeline sun_;
   std::array<gpu::ComputePipeline, 3> spread_;  ///< by axis

@@ -164,12 +164,16 @@ shared::CloudConstants slab_constants(const Clouds& clouds, const Slab& slab) {
   return c;
 }
 
+/// The layer is the same everywhere: few columns do, and light fades within metres of the faces of the densest.
+const CloudLight::Quality kSlabLight{.paths = 128, .grid_texels = 16, .grid_slices = 256};
+
 struct MarchedSlabs::Parts {
   Parts(gpu::Device& gpu_device, const CloudParams& params, uint32_t px)
       : device(gpu_device),
         face_px(px),
         clouds(device, params),
-        light{CloudLight(device, clouds, kSpectralGroups), CloudLight(device, clouds, kSpectralGroups)},
+        light{CloudLight(device, clouds, kSpectralGroups, kSlabLight),
+              CloudLight(device, clouds, kSpectralGroups, kSlabLight)},
         march(device, clouds, kSpectralGroups),
         executor(device) {
     for (const SlabDirection& d : slab_directions()) directions.push_back(view_of(device, window_of(d), d.up));

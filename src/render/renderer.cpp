@@ -31,6 +31,15 @@ std::vector<float> floats_from_half(const std::vector<uint16_t>& halves) {
 }
 }  // namespace
 
+namespace {
+/// The cheapest preset lights clouds by octaves.
+CloudParams as_drawn(const Scene& scene) {
+  CloudParams clouds = scene.clouds;
+  if (scene.render.quality == "low") clouds.multiple_scattering = "octaves";
+  return clouds;
+}
+}  // namespace
+
 Renderer::Parts::Parts(gpu::Device& device, TerrainSources sources, const SkySources& sky_sources,
                        const WeatherSources& weather, const Scene& scene, RenderTimings& timings)
     : executor(device),
@@ -49,7 +58,8 @@ Renderer::Parts::Parts(gpu::Device& device, TerrainSources sources, const SkySou
   start = Clock::now();
   const bool reference_wanted = scene.render.quality == "reference";
   if (reference_wanted || !draws_nothing(scene.clouds))
-    clouds = std::make_unique<CloudParts>(device, scene.clouds, weather, atmosphere->spectral_groups());
+    clouds = std::make_unique<CloudParts>(device, as_drawn(scene), weather, atmosphere->spectral_groups(),
+                                          scene.render.quality);
   if (reference_wanted) {
     ReferenceTracer::check_size({scene.render.width, scene.render.height});
     reference = std::make_unique<ReferenceTracer>(device, scene, clouds->clouds, atmosphere->spectral_groups());

@@ -27,9 +27,10 @@ struct Renderer::Parts {
 
   /// Absent under a clear sky, which then costs nothing.
   struct CloudParts {
-    CloudParts(gpu::Device& device, const CloudParams& params, const WeatherSources& sources, uint32_t spectral_groups)
+    CloudParts(gpu::Device& device, const CloudParams& params, const WeatherSources& sources, uint32_t spectral_groups,
+               const std::string& quality)
         : clouds(device, params, sources),
-          light(device, clouds, spectral_groups),
+          light(device, clouds, spectral_groups, CloudLight::quality_of(quality)),
           ground(device),
           march(device, clouds, spectral_groups),
           shadow_maps(device, clouds, params.shadows),

@@ -81,7 +81,7 @@ struct CloudFixture : GpuFixture {
     gpu::Image depth_image = device.create_image({.name = "depth", .extent = v.size, .format = Format::r32f});
     const gpu::ImageUpload upload{.image = &depth_image, .bytes = std::as_bytes(std::span(depth))};
     device.upload({&upload, 1});
-    CloudLight light(device, clouds, atmosphere.spectral_groups());
+    CloudLight light(device, clouds, atmosphere.spectral_groups(), CloudLight::quality_of("medium"));
     if (!lit) {
       CloudParams unlit = clouds.params();
       unlit.multiple_scattering = "octaves";
@@ -108,7 +108,7 @@ struct CloudFixture : GpuFixture {
     gpu::Image depth_image = device.create_image({.name = "depth", .extent = v.size, .format = Format::r32f});
     const gpu::ImageUpload upload{.image = &depth_image, .bytes = std::as_bytes(std::span(depth))};
     device.upload({&upload, 1});
-    CloudLight light(device, clouds, atmosphere.spectral_groups());
+    CloudLight light(device, clouds, atmosphere.spectral_groups(), CloudLight::quality_of("medium"));
     const ImageRef depth_m = graph.import(depth_image);
     const CloudDensityRefs density = import_cloud_density(graph, frame, clouds);
     const auto out =
