@@ -10,5 +10,6 @@ layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_d
 #define SHAFT_BINDING 19
 #define AIR_VISIBLE(p) cloud_sun_transmittance(p)
 #define AIR_BLOCK(block)
+#define AIR_LOOKS 3
 #include "render/shaft_air.glsl"
 #include "render/shaft_march.glsl"

@@ -10,6 +10,11 @@ layout(set = 0, binding = 25, rgba32f) uniform writeonly image2D out_cloud_far;
 layout(set = 0, binding = 27, rgba32f) uniform writeonly image2D out_depths;     // of the four, m; clouds' 0: there is none
 layout(push_constant, scalar) uniform PushBlock { ShaftMarchPush push; };
 
+#ifndef AIR_LOOKS
+#define AIR_LOOKS 1
+#endif
+const int kShadeLooks = AIR_LOOKS;  // for the sun, in a step
+
 void main() {
   FrameConstants f = frame.frame_data;
   ivec2 block = ivec2(gl_GlobalInvocationID.xy);
@@ -55,7 +60,10 @@ void main() {
       if (move || moved) at = 0.5 * (t0 + t1);
       moved = move;
       AirSource source = air_source_at(m, at, HAZE > 0u);
-      float visible = max(1.0 - shafts.data.intensity * (1.0 - AIR_VISIBLE(dir * at)), 0.0);
+      // Shade changes within a step where the air does not.
+      float visible = 0.0;
+      for (int j = 0; j < kShadeLooks; ++j) visible += AIR_VISIBLE(dir * mix(t0, t1, (float(j) + 0.5) / float(kShadeLooks))) / float(kShadeLooks);
+      visible = max(1.0 - shafts.data.intensity * (1.0 - visible), 0.0);
       float depth1 = HAZE > 0u ? haze_depth_to(m, t1) : 0.0, haze1 = exp(-depth1);
       float haze = HAZE > 0u ? mean_transmittance(haze0, haze1, depth1 - depth0) : 1.0;
       float length_m = max(t1 - t0, 0.0);
