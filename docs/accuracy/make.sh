@@ -22,12 +22,13 @@ done
 work=$(mktemp -d)
 trap 'rm -rf -- "$work"' EXIT
 
-# with_light METHOD SCENE.json: the scene with that multiple scattering
+# with_light METHOD SCENE.json: the scene with that multiple scattering, and no light shafts
 with_light() {
   python3 - "$1" "$2" <<'PYTHON'
 import json, sys
 scene = json.load(open(sys.argv[2]))
 scene["clouds"]["multiple_scattering"] = sys.argv[1]
+scene["shafts"] = {"method": "none"}  # the references' air knows no shadows
 print(json.dumps(scene))
 PYTHON
 }
