@@ -68,8 +68,7 @@ std::vector<float> beam_table(const std::function<double(double)>& phase, const 
       now = next;
     }
     sums[0] = phase(c);
-    for (size_t k = 0; k < orders; ++k)
-      out[((k / 4) * texels + i) * 4 + k % 4] = static_cast<float>(sums[k]);
+    for (size_t k = 0; k < orders; ++k) out[((k / 4) * texels + i) * 4 + k % 4] = static_cast<float>(sums[k]);
   }
   return out;
 }

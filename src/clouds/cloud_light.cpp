@@ -19,7 +19,7 @@
 namespace nepho {
 namespace {
 
-constexpr uint32_t kSlices = 384;   ///< of cells along a ray
+constexpr uint32_t kSlices = 384;  ///< of cells along a ray
 shared::LightCells cells_for(Extent2D extent, const CloudLight::Quality& quality) {
   const uint32_t longest = std::max(extent.width, extent.height);
   const double px = std::max(double{quality.node_px}, static_cast<double>(longest) / quality.most_nodes);
@@ -57,8 +57,7 @@ CloudLight::Quality CloudLight::quality_of(const std::string& preset) {
   return {};
 }
 
-CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups,
-                       const Quality& quality)
+CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups, const Quality& quality)
     : device_(device),
       clouds_(clouds),
       quality_(quality),
@@ -72,10 +71,10 @@ CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds, uint32_t spect
       gather_ground_(device, {.name = "clouds.light_ground", .spirv = light_gather_comp, .constants = {1}}),
       smooth_(device, {.name = "clouds.light_smooth", .spirv = light_smooth_comp}),
       sky_(device, {.name = "clouds.light_sky", .spirv = light_sky_comp, .constants = {spectral_groups}}) {
-  beam_ = device.create_image({.name = "clouds.beam",
-                               .extent = {shared::kBeamTexels, shared::kBeamOrders / 4},
-                               .format = Format::rgba32f});
-  no_albedo_ = device.create_image({.name = "clouds.no_albedo", .extent = {2, 2}, .format = Format::rgba16f, .layers = 2});
+  beam_ = device.create_image(
+      {.name = "clouds.beam", .extent = {shared::kBeamTexels, shared::kBeamOrders / 4}, .format = Format::rgba32f});
+  no_albedo_ =
+      device.create_image({.name = "clouds.no_albedo", .extent = {2, 2}, .format = Format::rgba16f, .layers = 2});
   no_height_ = device.create_image({.name = "clouds.no_height", .extent = {2, 2}, .format = Format::r32f, .layers = 2});
   const std::vector<std::byte> zeros(64);
   std::vector<uint16_t> black_land(16, 0);  // alpha is the share of land
@@ -116,7 +115,8 @@ shared::RegionMap CloudLight::region(const FrameInfo& frame) const {
   shared::RegionMap map = cloud_region(frame.constants, frame.camera_ecef_m, top_m);
   const float reach_m = map.half_m * std::exp2(static_cast<float>(map.levels - 1));
   map.half_m = kHalf_m;
-  map.levels = std::min(12u, 1u + static_cast<uint32_t>(std::ceil(std::log2(std::max(reach_m / kHalf_m, 1.0f)))));
+  // Two at least: they are layers of an array.
+  map.levels = std::clamp(1u + static_cast<uint32_t>(std::ceil(std::log2(std::max(reach_m / kHalf_m, 1.0f)))), 2u, 12u);
   return map;
 }
 
@@ -134,9 +134,8 @@ void CloudLight::add_grid(FrameGraph& graph, const FrameInfo& frame, const Cloud
   const uint32_t phases = clouds_.phases_at(frame.time_s);
   gpu::ComputePipeline& pipeline = bake_[phases - 1];
   if (!pipeline)
-    pipeline = gpu::ComputePipeline(device_, {.name = "clouds.grid",
-                                              .spirv = cloud_grid_bake_comp,
-                                              .constants = clouds_.specialisation(phases)});
+    pipeline = gpu::ComputePipeline(
+        device_, {.name = "clouds.grid", .spirv = cloud_grid_bake_comp, .constants = clouds_.specialisation(phases)});
   auto bake = graph.pass("clouds.grid");
   bake.uniform("frame", frame.buffer).uniform("light", data).read_write("out_grid", extinction).effect();
   bind_density(bake, density);
@@ -190,7 +189,13 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
                 .forward = frame.constants.forward};
   if (!traced_) {  // bound, never read
     const ImageRef none = graph.import(none_);
-    return {.data = data, .grid = none, .most = none, .cells = none, .ground = {}, .nodes = {}, .beam = graph.import(beam_)};
+    return {.data = data,
+            .grid = none,
+            .most = none,
+            .cells = none,
+            .ground = {},
+            .nodes = {},
+            .beam = graph.import(beam_)};
   }
   if (!filled_ || !(key == key_)) {
     add_grid(graph, frame, in.density, data, constants.grid);
@@ -207,9 +212,7 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
   const ImageRef traced = graph.create("clouds.light_traced", desc), out = graph.create("clouds.light_cells", desc);
   auto clear = graph.pass("clouds.light_clear");
   clear.zero("marks", marks).zero("work", work).fill("traced", traced).fill("out_cells", out);
-  clear.record([](gpu::Commands& cmd) {
-    cmd.zero("marks").zero("work").fill("traced", 0.0f).fill("out_cells", 0.0f);
-  });
+  clear.record([](gpu::Commands& cmd) { cmd.zero("marks").zero("work").fill("traced", 0.0f).fill("out_cells", 0.0f); });
   auto mark = graph.pass("clouds.light_mark");
   mark.uniform("frame", frame.buffer)
       .uniform("light", data)
@@ -234,8 +237,8 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
       glm::vec3 up;
       float height_m;
     };
-    const glm::vec3 up = normalize(glm::vec3(map.centre.x, map.centre.y,
-                                             map.centre.z * frame.constants.planet.a_over_b));
+    const glm::vec3 up =
+        normalize(glm::vec3(map.centre.x, map.centre.y, map.centre.z * frame.constants.planet.a_over_b));
     const SkyPush push{up, 0.5f * (clouds_.constants().hull_low_m + clouds_.constants().hull_high_m)};
     pass.record([this, push](gpu::Commands& cmd) {
       cmd.bind(sky_).push(push).dispatch_threads(shared::kLightSkyTexels, shared::kLightSkyTexels);
@@ -271,7 +274,13 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
       .sample("in_cells", traced, Sampler::nearest_clamp)
       .write("out_cells", out);
   smooth.record([this, words](gpu::Commands& cmd) { cmd.bind(smooth_).dispatch_threads(words * 32); });
-  return {.data = data, .grid = grid, .most = graph.import(most_), .cells = out, .ground = ground, .nodes = cells.nodes, .beam = graph.import(beam_)};
+  return {.data = data,
+          .grid = grid,
+          .most = graph.import(most_),
+          .cells = out,
+          .ground = ground,
+          .nodes = cells.nodes,
+          .beam = graph.import(beam_)};
 }
 
 }  // namespace nepho

@@ -9,8 +9,9 @@
 
 namespace nepho {
 
-/// The light inside clouds (docs/light.md): a grid of extinction and of optical depth to the key light around the camera, and
-/// cells fanning out from it that hold the light scattered more than once, traced backwards from each cell that is seen.
+/// The light inside clouds (docs/light.md): a grid of extinction and of optical depth to the key light around the
+/// camera, and cells fanning out from it that hold the light scattered more than once, traced backwards from each cell
+/// that is seen.
 class CloudLight {
  public:
   /// What accuracy costs (docs/light.md has both).
@@ -32,18 +33,19 @@ class CloudLight {
     ImageRef depth_m;  ///< r32f: distance along the pixel's ray to the surface, m
     CloudDensityRefs density;
     const AtmosphereTables::Refs* atmosphere = nullptr;  ///< without: an even sky
-    shared::RegionMap ground{};             ///< of the two images below
+    shared::RegionMap ground{};                          ///< of the two images below
     ImageRef ground_albedo, ground_height;  ///< as terrain/ground_map.glsl reads them; without: a black ellipsoid
   };
   struct Refs {
-    BufferRef data;   ///< shared::CloudLightConstants
-    ImageRef grid;    ///< rgba16f, 3D: extinction and optical depths to the key light (clouds/cloud_grid.glsl)
-    ImageRef most;    ///< r16f, 3D: the largest extinction around
-    ImageRef cells;   ///< rgba16f, 3D: shares of key light, sky light and lit ground, 1/sr, times validity; validity
-    ImageRef ground;  ///< rgba32f, a texel per node: illuminance of the ground by light that clouds scattered, as shares of
-                      ///< key light, sky light and key light on the ground; distance of the ground, m. Empty: octaves
+    BufferRef data;  ///< shared::CloudLightConstants
+    ImageRef grid;   ///< rgba16f, 3D: extinction and optical depths to the key light (clouds/cloud_grid.glsl)
+    ImageRef most;   ///< r16f, 3D: the largest extinction around
+    ImageRef cells;  ///< rgba16f, 3D: shares of key light, sky light and lit ground, 1/sr, times validity; validity
+    ImageRef
+        ground;  ///< rgba32f, a texel per node: illuminance of the ground by light that clouds scattered, as shares of
+                 ///< key light, sky light and key light on the ground; distance of the ground, m. Empty: octaves
     glm::uvec2 nodes{0};
-    ImageRef beam;    ///< rgba32f: shared::kBeamTexels wide (clouds/beam_table.h)
+    ImageRef beam;  ///< rgba32f: shared::kBeamTexels wide (clouds/beam_table.h)
   };
   /// Fills grid and cells for a frame. The grid is kept while camera place, light and clock stay.
   Refs add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in);

@@ -232,7 +232,8 @@ SlabLight MarchedSlabs::Parts::solve(const Slab& slab) {
     frame.camera_ecef_m = camera_ecef(view->above);
     frame.buffer = graph.constants("frame", frame.constants);
     const ImageRef depth_m = graph.import(view->depth_m);
-    const CloudLight::Refs traced = light[view->above].add(graph, frame, {.depth_m = depth_m, .density = density[view->above]});
+    const CloudLight::Refs traced =
+        light[view->above].add(graph, frame, {.depth_m = depth_m, .density = density[view->above]});
     lights.push_back(march.add_march(graph, frame, depth_m, density[view->above], traced).light);
     graph.keep(lights.back());
   }

@@ -190,21 +190,22 @@ RenderResult Renderer::render(const RenderRequest& request) {
       const GroundMap::Refs ground = p.clouds->ground.import_into(graph);
       light = p.clouds->light.add(graph, frame,
                                   {.depth_m = out.terrain.depth_m,
-                                                          .density = density,
+                                   .density = density,
                                    .atmosphere = &atmosphere,
-                                                          .ground = p.clouds->ground.map(),
-                                                          .ground_albedo = ground.albedo,
-                                                          .ground_height = ground.height_m});
+                                   .ground = p.clouds->ground.map(),
+                                   .ground_albedo = ground.albedo,
+                                   .ground_height = ground.height_m});
       background.cloud_light = light.ground;
       shadow = p.clouds->shadow_maps.add(graph, frame, density);
       background.sun_visibility = p.clouds->shadow.add(graph, frame, out.terrain, shadow);
     }
-    const ShaftPass::Air air{.atmosphere = atmosphere,
-                             .uniform = &p.atmosphere->uniform(),
-                             .shadow = shadow,
-                             .cloud_top_m = p.clouds ? static_cast<double>(p.clouds->clouds.constants().hull_high_m) : 0.0,
-                             .ground_m = p.terrain.ground_height_m(p.pose.at.lat_rad, p.pose.at.lon_rad),
-                             .ground_albedo = scene_.atmosphere.ground_albedo};
+    const ShaftPass::Air air{
+        .atmosphere = atmosphere,
+        .uniform = &p.atmosphere->uniform(),
+        .shadow = shadow,
+        .cloud_top_m = p.clouds ? static_cast<double>(p.clouds->clouds.constants().hull_high_m) : 0.0,
+        .ground_m = p.terrain.ground_height_m(p.pose.at.lat_rad, p.pose.at.lon_rad),
+        .ground_albedo = scene_.atmosphere.ground_albedo};
     background.shafts = p.shafts.add_constants(graph, frame, scene_.shafts, scene_.haze, air);
     background.haze_layers = static_cast<uint32_t>(drawn_haze(scene_.haze).size());
     if (scene_.terrain.shadows && p.terrain_shadow_map.update(p.terrain.heights(), frame))
@@ -214,8 +215,7 @@ RenderResult Renderer::render(const RenderRequest& request) {
     CloudMarchPass::Outputs marched;
     if (p.clouds) {
       marched = p.clouds->march.add(
-          graph, frame,
-          {.depth_m = out.terrain.depth_m, .atmosphere = atmosphere, .density = density, .light = light});
+          graph, frame, {.depth_m = out.terrain.depth_m, .atmosphere = atmosphere, .density = density, .light = light});
       out.cloud_info = marched.info;
     }
     const ShaftMethod method = shaft_method(scene_.shafts, scene_.render.quality);

@@ -14,8 +14,8 @@
 #include "render/night_sky.h"
 #include "render/reference_tracer.h"
 #include "render/renderer.h"
-#include "render/terrain_shadow_pass.h"
 #include "render/shaft_pass.h"
+#include "render/terrain_shadow_pass.h"
 #include "terrain/ground_map.h"
 #include "terrain/terrain.h"
 

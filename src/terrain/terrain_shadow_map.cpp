@@ -45,7 +45,7 @@ shared::RegionMap region_for(const FrameInfo& frame, double highest_m) {
   while (half_m < height_m - top_m) half_m *= 2.0;
   uint32_t levels = 1;
   while (half_m * std::exp2(levels - 1) < std::min(reach_m, 1.9 * a)) ++levels;
-  return make_region_map(centre, half_m, levels);
+  return make_region_map(centre, half_m, std::max(levels, 2u));  // an array has two layers at least
 }
 
 bool serves(const shared::RegionMap& have, const shared::RegionMap& want) {

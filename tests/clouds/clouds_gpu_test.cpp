@@ -111,13 +111,14 @@ struct CloudFixture : GpuFixture {
     CloudLight light(device, clouds, atmosphere.spectral_groups(), CloudLight::quality_of("medium"));
     const ImageRef depth_m = graph.import(depth_image);
     const CloudDensityRefs density = import_cloud_density(graph, frame, clouds);
-    const auto out =
-        march.add_march(graph, frame, depth_m, density, light.add(graph, frame, {.depth_m = depth_m, .density = density}));
+    const auto out = march.add_march(graph, frame, depth_m, density,
+                                     light.add(graph, frame, {.depth_m = depth_m, .density = density}));
     graph.keep(out.light);
     executor.run(graph);
     const std::vector<float> shares = executor.read<float>(out.light);
     glm::vec4 mean(0.0f);
-    for (size_t i = 0; i < shares.size(); i += 4) mean += glm::vec4(shares[i], shares[i + 1], shares[i + 2], shares[i + 3]);
+    for (size_t i = 0; i < shares.size(); i += 4)
+      mean += glm::vec4(shares[i], shares[i + 1], shares[i + 2], shares[i + 3]);
     return mean / static_cast<float>(shares.size() / 4);
   }
   Picture render(const View& v, const CloudParams& params) {
