@@ -20,6 +20,8 @@ vec3 point_at(PlanetView planet, vec3 dir, float height_m) {
   return vec3(d.xy, d.z / planet.a_over_b);
 }
 
+const float kAround_m = 15.0e3;
+
 void main() {
   ivec2 at = ivec2(gl_GlobalInvocationID);
   CloudGrid grid = light.data.grid;
@@ -30,6 +32,13 @@ void main() {
   int quarter = int(grid.texels) / 4;
   bool inner = push.level > 0u && all(greaterThanEqual(at, ivec2(quarter))) && all(lessThan(at, ivec2(3 * quarter)));
   vec3 dir = region_direction(grid.map, xy);
+  // Far outside of what the camera sees nothing matters: light comes from around what is seen.
+  FrameConstants f = frame.frame_data;
+  vec3 middle = point_at(f.planet, dir, 0.5 * (grid.band_low_m[0] + grid.band_high_m[grid.bands - 1u]));
+  vec3 forward = normalize(f.forward);
+  float along = dot(middle, forward), margin_m = max(kAround_m, 6.0 * texel_m);
+  float aside = length(middle - along * forward), slope = length(vec2(length(f.right), length(f.up))) / length(f.forward);
+  bool wanted = along > -margin_m && aside < slope * max(along, 0.0) + margin_m * (1.0 + slope);
   float rest = 1.0 - light.data.forward_albedo;
   for (uint b = 0u; b < grid.bands; ++b) {
     int slices = int(grid.band_slices[b]), base = first + int(grid.band_first[b]);
@@ -41,6 +50,8 @@ void main() {
         for (int k = 0; k < 4; ++k) sum += imageLoad(out_grid, ivec3(child + ivec2(k & 1, k >> 1), base - int(grid.slices) + i)).rgb;
         imageStore(out_grid, ivec3(at, base + i), vec4(0.25 * sum, 0.0));
       }
+    } else if (!wanted) {
+      for (int i = 0; i < slices; ++i) imageStore(out_grid, ivec3(at, base + i), vec4(0.0));
     } else {
       float low_m = grid.band_low_m[b], step_m = (grid.band_high_m[b] - low_m) / float(slices);
       float log2_footprint = log2(texel_m);

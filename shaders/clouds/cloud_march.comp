@@ -450,7 +450,9 @@ void main() {
       float inv = inversesqrt(dot(sq, sq));
       float height_m = scaled_height_from_f(planet, entry_f_m2 + at_s * (f_slope + at_s * f_bend)) * length(q) * inv;
       float footprint_m = max(pixel_angle * at, 0.08 * max(at * 0.013, 27.0));
-      float sun_depth = cloud_sun_depth(source_layers[i], columns[i], dir * at, sq * inv, height_m, log2(footprint_m));
+      float sun_depth;
+      if (OCTAVES) sun_depth = octave_sun_depth(source_layers[i], columns[i], dir * at, sq * inv, height_m, log2(footprint_m));
+      else sun_depth = cloud_sun_depth(source_layers[i], columns[i], dir * at, sq * inv, height_m, log2(footprint_m));
       if (OCTAVES) light.x += sources[i].y * octave_sum(cos_sun, CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight, sun_depth);
       else light.x += sources[i].y * beam_sum(beam0, beam1, light_data.data.forward_albedo, sun_depth);
     }

@@ -53,7 +53,7 @@ shared::CloudGrid grid_places(const Clouds& clouds, const shared::RegionMap& map
 
 CloudLight::Quality CloudLight::quality_of(const std::string& preset) {
   if (preset == "ultra") return {.paths = 48, .node_px = 2, .most_nodes = 160, .grid_texels = 256, .grid_slices = 64};
-  if (preset == "medium") return {.paths = 8, .node_px = 4, .most_nodes = 64, .grid_texels = 128, .grid_slices = 32};
+  if (preset == "medium") return {.paths = 6, .node_px = 8, .most_nodes = 40, .grid_texels = 96, .grid_slices = 24};
   return {};
 }
 
@@ -109,14 +109,17 @@ void CloudLight::renew(const CloudParams& params) {
 }
 
 shared::RegionMap CloudLight::region(const FrameInfo& frame) const {
-  constexpr float kHalf_m = 4e3f;  // of the finest map
+  constexpr float kHalf_m = 4e3f;    // of the finest map
+  constexpr float kHalf_px = 32.0f;  // and no finer than that many pixels far away
   double top_m = 0.0;
   for (const Clouds::HeightRange& r : clouds_.layer_ranges()) top_m = std::max(top_m, r.high_m);
   shared::RegionMap map = cloud_region(frame.constants, frame.camera_ecef_m, top_m);
   const float reach_m = map.half_m * std::exp2(static_cast<float>(map.levels - 1));
-  map.half_m = kHalf_m;
-  // Two at least: they are layers of an array.
-  map.levels = std::clamp(1u + static_cast<uint32_t>(std::ceil(std::log2(std::max(reach_m / kHalf_m, 1.0f)))), 2u, 12u);
+  const float above_m = std::max(frame.constants.planet.camera_height_m - static_cast<float>(top_m), 0.0f);
+  map.half_m = std::max(kHalf_m, kHalf_px * frame.constants.pixel_angle_rad * above_m);
+  // Two levels at least: they are layers of an array.
+  map.levels =
+      std::clamp(1u + static_cast<uint32_t>(std::ceil(std::log2(std::max(reach_m / map.half_m, 1.0f)))), 2u, 12u);
   return map;
 }
 

@@ -165,7 +165,7 @@ shared::CloudConstants slab_constants(const Clouds& clouds, const Slab& slab) {
 }
 
 /// The layer is the same everywhere: few columns do, and light fades within metres of the faces of the densest.
-const CloudLight::Quality kSlabLight{.paths = 16, .grid_texels = 16, .grid_slices = 256};
+const CloudLight::Quality kSlabLight{.paths = 16, .node_px = 8, .grid_texels = 16, .grid_slices = 256};
 
 struct MarchedSlabs::Parts {
   Parts(gpu::Device& gpu_device, const CloudParams& params, uint32_t px)

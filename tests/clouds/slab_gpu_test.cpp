@@ -8,7 +8,7 @@ namespace nepho {
 namespace {
 
 struct SlabFixture : GpuFixture {
-  MarchedSlabs march{device};
+  MarchedSlabs march{device, "octaves"};  // the same every time, and quick
   SlabLight solve(const Slab& slab) { return march.solve({&slab, 1}).front(); }
 };
 
@@ -68,13 +68,23 @@ TEST_CASE("gpu: thicker slabs reflect more, absorbing ones less; isotropic ones 
 
 TEST_CASE("gpu: pictures of the hemispheres seven times as fine change fluxes by less than 0.4 %") {
   SlabFixture f;
-  MarchedSlabs fine(f.device, "lobes", 64);
+  MarchedSlabs fine(f.device, "octaves", 64);
   for (const double mu0 : {1.0, 0.5}) {
     const Slab slab{.tau = 1.0, .g = 0.85, .mu0 = mu0};
     const SlabLight a = f.solve(slab), b = fine.solve({&slab, 1}).front();
     CHECK(a.reflectance == doctest::Approx(b.reflectance).epsilon(0.004));
     CHECK(a.transmittance_diffuse == doctest::Approx(b.transmittance_diffuse).epsilon(0.004));
   }
+}
+
+TEST_CASE("gpu: traced light gives a slab the reflectance and transmittance of the table within 10 %") {
+  GpuFixture f;
+  // tests/oracles/slab_dev.csv: tau 4, g 0.85, mu0 0.7: 0.312 and 0.685.
+  const Slab slab{.tau = 4.0, .g = 0.85, .mu0 = 0.7};
+  const SlabLight light = MarchedSlabs(f.device, "cells", 8).solve({&slab, 1}).front();
+  MESSAGE("reflectance ", light.reflectance, ", diffuse transmittance ", light.transmittance_diffuse);
+  CHECK(std::abs(light.reflectance / 0.312 - 1.0) < 0.1);
+  CHECK(std::abs(light.transmittance_diffuse / 0.685 - 1.0) < 0.1);
 }
 
 TEST_CASE("gpu: constants of a slab are those of clouds made for it") {
