@@ -121,9 +121,9 @@ struct CloudFixture : GpuFixture {
       mean += glm::vec4(shares[i], shares[i + 1], shares[i + 2], shares[i + 3]);
     return mean / static_cast<float>(shares.size() / 4);
   }
-  Picture render(const View& v, const CloudParams& params) {
+  Picture render(const View& v, const CloudParams& params, bool lit = false) {
     const Clouds clouds(device, params);
-    return render(v, clouds, CloudMarchPass(device, clouds, atmosphere.spectral_groups()));
+    return render(v, clouds, CloudMarchPass(device, clouds, atmosphere.spectral_groups()), lit);
   }
   using vec2_t = glm::vec2;
 };
@@ -370,7 +370,7 @@ TEST_CASE(
   CloudFixture f;
   const Picture p = f.render(
       {.height_m = 6000.0, .heading_deg = 0.0, .pitch_deg = -30.0, .sun_elevation_deg = 45.0, .size = {128, 72}},
-      cumulus(0.4));
+      cumulus(0.4), true);
   std::vector<double> luminance;
   for (size_t i = 0; i < p.radiance.size(); i += 4)
     if (p.radiance[i + 3] < 0.01f)

@@ -34,7 +34,8 @@ Scene fuji_scene(double height_m) {
   scene.camera.height_m = height_m;
   scene.camera.look_at = LookAt{35.3606, 138.7274, 3700.0};
   scene.time = "2026-06-20T23:30:00Z";
-  scene.render.width = 321;  // odd: the centre pixel is on the axis
+  if (height_m > 3000.0) scene.clouds.multiple_scattering = "octaves";  // light in cells takes its time
+  scene.render.width = 321;                                             // odd: the centre pixel is on the axis
   scene.render.height = 181;
   return scene;
 }

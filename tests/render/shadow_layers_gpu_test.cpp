@@ -14,6 +14,7 @@ Scene view_from_above(const CloudParams& clouds) {
   scene.camera.pitch_deg = -20.0;
   scene.clouds.multiple_scattering = "octaves";  // cheap
   scene.render.quality = "high";
+  scene.clouds.multiple_scattering = "octaves";
   scene.render.frames = 1;
   return scene;
 }
