@@ -40,6 +40,9 @@ void main() {
   float aside = length(middle - along * forward), slope = length(vec2(length(f.right), length(f.up))) / length(f.forward);
   bool wanted = along > -margin_m && aside < slope * max(along, 0.0) + margin_m * (1.0 + slope);
   float rest = 1.0 - light.data.forward_albedo;
+  // Slices that no band has are read by who looks for the largest around.
+  int used = grid.bands > 0u ? int(grid.band_first[grid.bands - 1u] + grid.band_slices[grid.bands - 1u]) : 0;
+  for (int i = used; i < int(grid.slices); ++i) imageStore(out_grid, ivec3(at, first + i), vec4(0.0));
   for (uint b = 0u; b < grid.bands; ++b) {
     int slices = int(grid.band_slices[b]), base = first + int(grid.band_first[b]);
     if (inner) {

@@ -378,9 +378,9 @@ TEST_CASE("--quality reference ends at the noise or the paths that are asked for
 }
 
 TEST_CASE("what belongs to --quality reference alone, or does not go with it, is a usage error") {
-  CHECK(message_of(render({"--noise", "0.1"}), 2) == "--noise: the quality is high; it stops --quality reference only");
+  CHECK(message_of(render({"--noise", "0.1"}), 2) == "--noise: the quality is medium; it stops --quality reference only");
   CHECK(message_of(render({"--resume", "/dev/null"}), 2) ==
-        "--resume: the quality is high; only --quality reference can go on");
+        "--resume: the quality is medium; only --quality reference can go on");
   CHECK(message_of(render({"--quality", "reference", "--resume", "/nonexistent/a.exr"}), 3) ==
         "/nonexistent/a.exr: no such file");
   CHECK(message_of(render({"--aov", "variance"}), 2) == "--aov variance: written by --quality reference only");
