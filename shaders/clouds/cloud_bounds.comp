@@ -10,19 +10,13 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
 #define CLOUD_BINDING 1
 #include "clouds/cloud_density.glsl"
+#include "clouds/flight.glsl"
 layout(scalar, set = 0, binding = 20) uniform BoundsBlock { CloudBounds data; } bounds;
 layout(set = 0, binding = 21, r32f) uniform image3D out_bounds;
 layout(push_constant, scalar) uniform PushBlock { uint level; uint flat_bounds; } push;
 
 const float kTail = 3.2;       // standard deviations of what a footprint hides that are reckoned with
 const float kSlack = 0.06;     // change of the level's resolved part within a footprint
-
-// A point given by its direction from the Earth's centre (scaled space) and its geodetic height, camera-relative: to half a metre.
-vec3 point_at(PlanetView planet, vec3 dir, float height_m) {
-  vec3 q = dir * (planet.a_m + scaled_height_from_geodetic(planet, dir, height_m));
-  vec3 d = (q - planet.camera_q_m) - planet.camera_q_low_m;
-  return vec3(d.xy, d.z / planet.a_over_b);
-}
 
 float largest_of(uint l, CloudColumn c, vec3 dir, float low_m, float high_m, float log2_footprint) {
   float thickness = CLOUD.layers[l].thickness_m;

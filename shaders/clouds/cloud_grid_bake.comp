@@ -13,13 +13,6 @@ layout(scalar, set = 0, binding = 20) uniform LightBlock { CloudLightConstants d
 layout(set = 0, binding = 21, rgba16f) uniform image3D out_grid;
 layout(push_constant, scalar) uniform PushBlock { uint level; } push;
 
-// A point given by its direction from the Earth's centre (scaled space) and its geodetic height, camera-relative: to half a metre.
-vec3 point_at(PlanetView planet, vec3 dir, float height_m) {
-  vec3 q = dir * (planet.a_m + scaled_height_from_geodetic(planet, dir, height_m));
-  vec3 d = (q - planet.camera_q_m) - planet.camera_q_low_m;
-  return vec3(d.xy, d.z / planet.a_over_b);
-}
-
 const float kAround_m = 15.0e3;
 
 void main() {

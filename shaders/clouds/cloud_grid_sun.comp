@@ -14,13 +14,6 @@ layout(set = 0, binding = 3, rgba16f) uniform writeonly image3D out_grid;
 const int kSteps = 64;
 const float kGrowth = 0.06;
 
-// A point given by its direction from the Earth's centre (scaled space) and its geodetic height, camera-relative: to half a metre.
-vec3 point_at(PlanetView planet, vec3 dir, float height_m) {
-  vec3 q = dir * (planet.a_m + scaled_height_from_geodetic(planet, dir, height_m));
-  vec3 d = (q - planet.camera_q_m) - planet.camera_q_low_m;
-  return vec3(d.xy, d.z / planet.a_over_b);
-}
-
 void main() {
   ivec3 at = ivec3(gl_GlobalInvocationID);
   CloudGrid grid = light.data.grid;

@@ -7,6 +7,13 @@
 
 const float kFar_m = 1.0e9;
 
+// A point given by its direction from the Earth's centre (scaled space) and its geodetic height, camera-relative: to half a metre.
+vec3 point_at(PlanetView planet, vec3 dir, float height_m) {
+  vec3 q = dir * (planet.a_m + scaled_height_from_geodetic(planet, dir, height_m));
+  vec3 d = (q - planet.camera_q_m) - planet.camera_q_low_m;
+  return vec3(d.xy, d.z / planet.a_over_b);
+}
+
 // A straight flight of a path. Heights follow from f = |q|^2 - a^2, quadratic along it (planet.h).
 struct Flight {
   vec3 origin, dir;
