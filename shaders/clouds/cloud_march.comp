@@ -9,6 +9,7 @@ layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_d
 #include "clouds/cloud_density.glsl"
 #include "clouds/light_shared.h"
 #include "clouds/octaves.h"
+#include "clouds/depth_split.h"
 layout(constant_id = 5) const bool OCTAVES = false;  // multiple scattering by octave_sum() instead of traced light
 layout(set = 0, binding = 24) uniform sampler3D grid_tex;
 layout(set = 0, binding = 28) uniform sampler3D most_tex;
@@ -22,6 +23,8 @@ layout(set = 0, binding = 20, r32f) uniform readonly image2D depth_m;
 layout(set = 0, binding = 21, rgba32f) uniform writeonly image2D out_light;
 layout(set = 0, binding = 22, rgba32f) uniform writeonly image2D out_info;
 layout(set = 0, binding = 23) uniform sampler2DArray cloud_blue;
+layout(set = 0, binding = 29, rgba32f) uniform writeonly image2D out_near;   // of the nearer of two depths: shares of the lights, opacity
+layout(set = 0, binding = 30, rg32f) uniform writeonly image2D out_depths;   // the two, m; equal where one does (depth_split.h)
 
 const int kMaxSteps = 256;
 const int kSearchSteps = 6, kMarchSteps = 8;  // of one kind before the other has its turn
@@ -29,6 +32,7 @@ const int kModeSearch = 0, kModeAhead = 1, kModeMarch = 2;
 const int kPlaces = 8;              // readings of the weather map along a ray
 const int kMaxLights = 4;           // points of a ray that look for the sun
 const float kLightShare = 0.32;     // about how much of what the ray sees each stands for
+const float kOneDepth = 0.02;       // of the depth: two that are closer than this are one
 const float kOpaque = 1.0e-3;       // transmittance at which nothing behind matters
 const float kDeepest = 8.0;         // optical depth at which the wide lobes are used up too
 const float kLevelStep = 0.16;      // a level of -1 is about this many cells from a cloud, at least
@@ -107,6 +111,9 @@ void main() {
   float transmittance = 1.0, depth_sum = 0.0, weight_sum = 0.0, tau = 0.0;
   vec4 layer_weight = vec4(0.0);
   vec3 light = vec3(0.0);  // share of sun illuminance, of sky illuminance, of ground exitance (1/sr)
+  vec3 light_x = vec3(0.0);  // the same times split_place()
+  vec4 split_sums = vec4(0.0);
+  float first_m = 0.0;       // distance of the first cloud
   int steps = 0, samples = 0;  // samples: evaluations of a layer's density, for eye and sun
   if (hull_span(dir, imageLoad(depth_m, pixel).r, span, gap, entry_f_m2)) {
     float cos_sun = dot(dir, sun);
@@ -116,7 +123,7 @@ void main() {
     vec4 beam0 = textureLod(beam_tex, vec2(beam_u, 0.25), 0.0), beam1 = textureLod(beam_tex, vec2(beam_u, 0.75), 0.0);
     float light_from = light_entry(planet, light_data.data.grid, dir);
     vec3 last_cell = vec3(0.0);
-    float waiting = 0.0;
+    vec2 waiting = vec2(0.0);
     bool any_cell = false;
 
     vec3 scaled_dir = scaled_from_cam(planet, dir);
@@ -374,6 +381,9 @@ void main() {
           float inner_m = length_m * (1.0 - enter);
           at = t - inner_m + min(0.5 * inner_m, inner_m / max(d_tau, 1.0e-3));  // where most of what it sends is from
           float w = transmittance * (1.0 - exp(-d_tau));
+          if (weight_sum == 0.0) first_m = at;
+          float x = split_place(at, first_m);
+          split_sums += w * vec4(1.0, x, x * x, x * x * x);
           // Sunlight waits for its shadow; light that was scattered before is in the cells.
           pending += vec4(at * w, w * albedo, 0.0, 0.0);
           pending_seen += w;
@@ -389,24 +399,32 @@ void main() {
           }
           if (OCTAVES) {
             // Inside a clump light of the sky and the ground fades slower than the view.
-            float x = max(clump_depth, 0.02);
-            float d_wide = d_tau * (1.0 - exp(-kSkyView * x)) / (1.0 - exp(-x));
+            float clump = max(clump_depth, 0.02);
+            float d_wide = d_tau * (1.0 - exp(-kSkyView * clump)) / (1.0 - exp(-clump));
             float w_sky = exp(-wide) * (1.0 - exp(-d_wide)) * albedo;
             wide += d_wide;
             float h = clamp(eta_here, 0.0, 1.0);
-            light += vec3(0.0, w_sky * mix(0.16, 0.55, h) / kPi, w_sky * mix(0.45, 0.1, h) / kPi);
+            vec3 more = vec3(0.0, w_sky * mix(0.16, 0.55, h) / kPi, w_sky * mix(0.45, 0.1, h) / kPi);
+            light += more;
+            light_x += x * more;
           } else {
             float slice = light_slice(light_data.data.cells, at - light_from) / float(light_data.data.cells.slices);
             vec4 cell = textureLod(cells_tex, vec3((vec2(pixel) + 0.5) / vec2(frame.frame_data.size), slice), 0.0);
             // Where no light was traced that of the next place along the ray stands for it.
             if (cell.a > 0.02) {
               last_cell = cell.rgb / cell.a;
-              light += waiting * last_cell;
-              waiting = 0.0;
+              light += waiting.x * last_cell;
+              light_x += waiting.y * last_cell;
+              waiting = vec2(0.0);
               any_cell = true;
             }
-            if (any_cell) light += (w * albedo) * last_cell;
-            else waiting += w * albedo;
+            vec2 more = w * albedo * vec2(1.0, x);
+            if (any_cell) {
+              light += more.x * last_cell;
+              light_x += more.y * last_cell;
+            } else {
+              waiting += more;
+            }
           }
           depth_sum += w * at;
           weight_sum += w;
@@ -453,8 +471,11 @@ void main() {
       float sun_depth;
       if (OCTAVES) sun_depth = octave_sun_depth(source_layers[i], columns[i], dir * at, sq * inv, height_m, log2(footprint_m));
       else sun_depth = cloud_sun_depth(source_layers[i], columns[i], dir * at, sq * inv, height_m, log2(footprint_m));
-      if (OCTAVES) light.x += sources[i].y * octave_sum(cos_sun, CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight, sun_depth);
-      else light.x += sources[i].y * beam_sum(beam0, beam1, light_data.data.forward_albedo, sun_depth);
+      float sent;
+      if (OCTAVES) sent = sources[i].y * octave_sum(cos_sun, CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight, sun_depth);
+      else sent = sources[i].y * beam_sum(beam0, beam1, light_data.data.forward_albedo, sun_depth);
+      light.x += sent;
+      light_x.x += sent * split_place(at, first_m);
     }
     if (transmittance < kOpaque) transmittance = 0.0;
   }
@@ -466,6 +487,20 @@ void main() {
       most = layer_weight[i];
       dominant = float(i + 1);
     }
+  // Two depths for the air before it, where one would be wrong.
+  vec4 near = vec4(0.0);
+  vec2 depths = vec2(mean_m);
+  if (weight_sum > 0.0) {
+    DepthSplit split = split_depths(split_sums);
+    vec2 at = vec2(split_distance(split.near_x, first_m), split_distance(split.far_x, first_m));
+    if (at.y - at.x > kOneDepth * mean_m) {
+      depths = at;
+      near = vec4(split_near_part(split, light.x, light_x.x), split_near_part(split, light.y, light_x.y),
+                  split_near_part(split, light.z, light_x.z), split.near_share * (1.0 - transmittance));
+    }
+  }
   imageStore(out_light, pixel, vec4(light, transmittance));
+  imageStore(out_near, pixel, near);
+  imageStore(out_depths, pixel, vec4(depths, 0.0, 0.0));
   imageStore(out_info, pixel, vec4(mean_m, tau, dominant, float(steps) + 1024.0 * float(samples)));
 }

@@ -7,10 +7,11 @@
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
 layout(set = 0, binding = 1) uniform sampler2D depth_m;
-layout(set = 0, binding = 2) uniform sampler2D cloud_info;
+layout(set = 0, binding = 2) uniform sampler2D cloud_depths;  // the nearer and the farther one, m
 layout(set = 0, binding = 3) uniform sampler3D froxel_change;
 layout(set = 0, binding = 7) uniform sampler2D background;
 layout(set = 0, binding = 8) uniform sampler2D cloud_radiance;
+layout(set = 0, binding = 11) uniform sampler2D cloud_near;  // what cloud_radiance has at the nearer depth; its opacity
 layout(set = 0, binding = 9, rgba32f) uniform writeonly image2D out_background;
 layout(set = 0, binding = 10, rgba32f) uniform writeonly image2D out_cloud;
 layout(push_constant, scalar) uniform PushBlock { FroxelGrid grid; uint has_clouds; } push;
@@ -30,9 +31,10 @@ void main() {
   vec3 seen = texelFetch(background, pixel, 0).rgb;
   imageStore(out_background, pixel, vec4(max(within_rec709(seen * behind.a + behind.rgb), vec3(0.0)), 1.0));
   if (push.has_clouds != 0u) {
-    vec4 premultiplied = texelFetch(cloud_radiance, pixel, 0);
-    vec4 cloud = change_to(uv, texelFetch(cloud_info, pixel, 0).x);
-    vec3 light = premultiplied.rgb * cloud.a + cloud.rgb * (1.0 - premultiplied.a);
+    vec4 premultiplied = texelFetch(cloud_radiance, pixel, 0), near = texelFetch(cloud_near, pixel, 0);
+    vec2 depths = texelFetch(cloud_depths, pixel, 0).rg;
+    vec4 before = change_to(uv, depths.x), beyond = change_to(uv, depths.y);
+    vec3 light = near.rgb * before.a + before.rgb * near.a + (premultiplied.rgb - near.rgb) * beyond.a + beyond.rgb * (1.0 - premultiplied.a - near.a);
     imageStore(out_cloud, pixel, vec4(max(within_rec709(light), vec3(0.0)), premultiplied.a));
   }
 }

@@ -7,7 +7,7 @@
 layout(local_size_x = 16, local_size_y = 16) in;
 layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
 layout(set = 0, binding = 1) uniform sampler2D depth_m;
-layout(set = 0, binding = 2) uniform sampler2D cloud_info;
+layout(set = 0, binding = 2) uniform sampler2D cloud_depths;  // the nearer and the farther one, m
 layout(set = 0, binding = 3) uniform sampler2D near_tex;
 layout(set = 0, binding = 4) uniform sampler2D far_tex;
 layout(set = 0, binding = 5) uniform sampler2D cloud_near_tex;
@@ -15,6 +15,7 @@ layout(set = 0, binding = 6) uniform sampler2D cloud_far_tex;
 layout(set = 0, binding = 11) uniform sampler2D depths_tex;
 layout(set = 0, binding = 7) uniform sampler2D background;
 layout(set = 0, binding = 8) uniform sampler2D cloud_radiance;
+layout(set = 0, binding = 12) uniform sampler2D cloud_near;  // what cloud_radiance has at the nearer depth; its opacity
 layout(set = 0, binding = 9, rgba32f) uniform writeonly image2D out_background;
 layout(set = 0, binding = 10, rgba32f) uniform writeonly image2D out_cloud;
 layout(push_constant, scalar) uniform PushBlock { ShaftApplyPush push; };
@@ -35,12 +36,12 @@ void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(pixel, ivec2(f.size)))) return;
   float distance_m = min(texelFetch(depth_m, pixel, 0).r, kFarDepth_m);
-  vec4 info = texelFetch(cloud_info, pixel, 0);
+  vec2 cloud_m = texelFetch(cloud_depths, pixel, 0).rg;
   vec2 place = (vec2(pixel) + 0.5) / float(push.downscale) - 0.5;
   ivec2 low = ivec2(floor(place)), last = textureSize(depths_tex, 0) - 1;
   vec2 part = place - vec2(low);
-  vec4 behind = vec4(0.0), cloud = vec4(0.0);
-  float behind_weight = 0.0, cloud_weight = 0.0;
+  vec4 behind = vec4(0.0), cloud[2] = vec4[2](vec4(0.0), vec4(0.0));
+  float behind_weight = 0.0, cloud_weight[2] = float[2](0.0, 0.0);
   for (int i = 0; i < 4; ++i) {
     ivec2 corner = ivec2(i & 1, i >> 1);
     ivec2 at = clamp(low + corner, ivec2(0), last);
@@ -50,18 +51,20 @@ void main() {
     vec4 change = change_at(texelFetch(near_tex, at, 0), texelFetch(far_tex, at, 0), depths.xy, distance_m, weight);
     behind += share * weight * change;
     behind_weight += share * weight;
-    change = change_at(texelFetch(cloud_near_tex, at, 0), texelFetch(cloud_far_tex, at, 0), depths.zw, info.x, weight);
-    if (depths.w <= 0.0) weight = 0.0;
-    cloud += share * weight * change;
-    cloud_weight += share * weight;
+    for (int k = 0; k < 2; ++k) {
+      change = change_at(texelFetch(cloud_near_tex, at, 0), texelFetch(cloud_far_tex, at, 0), depths.zw, cloud_m[k], weight);
+      if (depths.w <= 0.0) weight = 0.0;
+      cloud[k] += share * weight * change;
+      cloud_weight[k] += share * weight;
+    }
   }
   behind /= behind_weight;
   vec3 seen = texelFetch(background, pixel, 0).rgb;
   imageStore(out_background, pixel, vec4(max(within_rec709(seen * behind.a + behind.rgb), vec3(0.0)), 1.0));
   if (push.has_clouds != 0u) {
-    cloud = cloud_weight > 0.0 ? cloud / cloud_weight : vec4(0.0, 0.0, 0.0, 1.0);
-    vec4 premultiplied = texelFetch(cloud_radiance, pixel, 0);
-    vec3 light = premultiplied.rgb * cloud.a + cloud.rgb * (1.0 - premultiplied.a);
+    for (int k = 0; k < 2; ++k) cloud[k] = cloud_weight[k] > 0.0 ? cloud[k] / cloud_weight[k] : vec4(0.0, 0.0, 0.0, 1.0);
+    vec4 premultiplied = texelFetch(cloud_radiance, pixel, 0), near = texelFetch(cloud_near, pixel, 0);
+    vec3 light = near.rgb * cloud[0].a + cloud[0].rgb * near.a + (premultiplied.rgb - near.rgb) * cloud[1].a + cloud[1].rgb * (1.0 - premultiplied.a - near.a);
     imageStore(out_cloud, pixel, vec4(max(within_rec709(light), vec3(0.0)), premultiplied.a));
   }
 }

@@ -2,7 +2,7 @@
 // farthest cloud.
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 20) uniform sampler2D depth_m;
-layout(set = 0, binding = 21) uniform sampler2D cloud_info;  // x: mean depth, m; z: layer, 0 without clouds
+layout(set = 0, binding = 21) uniform sampler2D cloud_depths;  // of clouds.march: the nearer and the farther one, m
 layout(set = 0, binding = 22, rgba32f) uniform writeonly image2D out_near;   // rgb change, a transmittance of the haze
 layout(set = 0, binding = 23, rgba32f) uniform writeonly image2D out_far;
 layout(set = 0, binding = 24, rgba32f) uniform writeonly image2D out_cloud_near;
@@ -20,16 +20,20 @@ void main() {
   ivec2 block = ivec2(gl_GlobalInvocationID.xy);
   if (any(greaterThanEqual(block * int(push.downscale), ivec2(f.size)))) return;
   vec4 depths = vec4(kFarDepth_m, 0.0, kFarDepth_m, 0.0);
+  vec2 inner = vec2(0.0, kFarDepth_m);  // the farthest of the nearer ones of clouds, and the nearest of the farther ones
   vec3 centre = vec3(0.0);  // of the farthest pixels: a ray to the sky must not meet the ground
   ivec2 first = block * int(push.downscale), last = min(first + int(push.downscale), ivec2(f.size));
   for (int y = first.y; y < last.y; ++y)
     for (int x = first.x; x < last.x; ++x) {
       float d = min(texelFetch(depth_m, ivec2(x, y), 0).r, kFarDepth_m);
-      vec4 info = texelFetch(cloud_info, ivec2(x, y), 0);
+      vec2 cloud = texelFetch(cloud_depths, ivec2(x, y), 0).rg;
       vec3 seen = vec3(float(x) + 0.5, float(y) + 0.5, 1.0);
       centre = d > 1.1 * depths.y ? seen : centre + (d > 0.9 * depths.y ? seen : vec3(0.0));
       depths.xy = vec2(min(depths.x, d), max(depths.y, d));
-      if (push.has_clouds != 0u && info.z > 0.0) depths.zw = vec2(min(depths.z, info.x), max(depths.w, info.x));
+      if (push.has_clouds != 0u && cloud.x < 0.5 * kFarDepth_m) {
+        depths.zw = vec2(min(depths.z, cloud.x), max(depths.w, cloud.y));
+        inner = vec2(max(inner.x, cloud.x), min(inner.y, cloud.y));
+      }
     }
   depths.z = min(depths.z, depths.w);
   AIR_BLOCK(block)
@@ -48,15 +52,17 @@ void main() {
         clear[k] = before;
       }
     }
-    // The end of a step moves to the clouds, which may be sunlit behind and shaded before.
-    float cloud_m = 0.5 * (depths.z + depths.w), middle = step_distance(plan, 0.5);
+    // The ends of two steps move to the clouds, which may be sunlit behind and shaded before.
+    vec2 cloud_m = 0.5 * (depths.zw + inner);
+    float middle = step_distance(plan, 0.5);
     bool moved = false;
     float t0 = plan.cut_m.x, depth0 = haze_depth_to(m, t0), haze0 = exp(-depth0);
     for (uint i = 0u; i < SHAFT_STEPS; ++i) {
       float t1 = step_distance(plan, float(i + 1u)), at = middle;
       middle = step_distance(plan, float(i) + 1.5);
-      bool move = cloud_m > at && cloud_m <= middle && i + 1u < SHAFT_STEPS;
-      if (move) t1 = cloud_m;
+      bvec2 here = bvec2(cloud_m.x > at && cloud_m.x <= middle, cloud_m.y > at && cloud_m.y <= middle);
+      bool move = any(here) && i + 1u < SHAFT_STEPS;
+      if (move) t1 = all(here) ? 0.5 * (cloud_m.x + cloud_m.y) : here.x ? cloud_m.x : cloud_m.y;
       if (move || moved) at = 0.5 * (t0 + t1);
       moved = move;
       AirSource source = air_source_at(m, at, HAZE > 0u);

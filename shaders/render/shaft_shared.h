@@ -73,7 +73,7 @@ SHARED_FN float shaft_depth(float distance_m) { return distance_m / (distance_m 
 
 struct ShaftMarchPush {
   uint downscale;
-  uint has_clouds;       // 1: cloud_info holds clouds' depths
+  uint has_clouds;       // 1: cloud_depths holds clouds' depths
   float glow;            // of screen: optical depth of what glows around the sun over clouds
 };
 struct FroxelApplyPush {

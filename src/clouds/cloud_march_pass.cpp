@@ -34,7 +34,9 @@ CloudMarchPass::Marched CloudMarchPass::add_march(FrameGraph& graph, const Frame
                                                   const CloudDensityRefs& density,
                                                   const CloudLight::Refs& light) const {
   const Marched out{.light = graph.create("clouds.light", {.extent = frame.extent, .format = Format::rgba32f}),
-                    .info = graph.create("clouds.info", {.extent = frame.extent, .format = Format::rgba32f})};
+                    .info = graph.create("clouds.info", {.extent = frame.extent, .format = Format::rgba32f}),
+                    .near = graph.create("clouds.light_near", {.extent = frame.extent, .format = Format::rgba32f}),
+                    .depths = graph.create("clouds.depths", {.extent = frame.extent, .format = Format::rg32f})};
   FrameGraph::PassBuilder pass = graph.pass("clouds.march");
   pass.uniform("frame", frame.buffer)
       .read("depth_m", depth_m)
@@ -48,6 +50,8 @@ CloudMarchPass::Marched CloudMarchPass::add_march(FrameGraph& graph, const Frame
   const gpu::ComputePipeline& pipeline = march_pipeline(clouds_.phases_at(frame.time_s));
   pass.write("out_light", out.light)
       .write("out_info", out.info)
+      .write("out_near", out.near)
+      .write("out_depths", out.depths)
       .record([&pipeline, extent = frame.extent](gpu::Commands& cmd) {
         cmd.bind(pipeline).dispatch_threads(extent.width, extent.height);
       });
@@ -56,23 +60,29 @@ CloudMarchPass::Marched CloudMarchPass::add_march(FrameGraph& graph, const Frame
 
 CloudMarchPass::Outputs CloudMarchPass::add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in) const {
   const ImageRef radiance = graph.create("clouds.radiance", {.extent = frame.extent, .format = Format::rgba32f});
+  const ImageRef near = graph.create("clouds.near", {.extent = frame.extent, .format = Format::rgba32f});
   const CloudParams& params = clouds_.params();
   if (draws_nothing(params)) {
     const ImageRef info = graph.create("clouds.info", {.extent = frame.extent, .format = Format::rgba32f});
+    const ImageRef depths = graph.create("clouds.depths", {.extent = frame.extent, .format = Format::rg32f});
     graph.pass("clouds.clear")
         .write("out_radiance", radiance)
         .write("out_info", info)
+        .write("out_near", near)
+        .write("out_depths", depths)
         .record([this, extent = frame.extent](gpu::Commands& cmd) {
           cmd.bind(clear_).dispatch_threads(extent.width, extent.height);
         });
-    return {.radiance = radiance, .info = info};
+    return {.radiance = radiance, .info = info, .near = near, .depths = depths};
   }
   const Marched marched = add_march(graph, frame, in.depth_m, in.density, in.light);
   FrameGraph::PassBuilder shade = graph.pass("clouds.shade");
   shade.uniform("frame", frame.buffer)
       .sample("light_tex", marched.light, Sampler::nearest_clamp)
-      .sample("info_tex", marched.info, Sampler::nearest_clamp)
-      .write("out_radiance", radiance);
+      .sample("near_tex", marched.near, Sampler::nearest_clamp)
+      .sample("depths_tex", marched.depths, Sampler::nearest_clamp)
+      .write("out_radiance", radiance)
+      .write("out_near", near);
   AtmosphereTables::bind(shade, in.atmosphere);
   const ShadePush push{kGroundAlbedo, static_cast<float>(params.coverage.value_or(kTypicalCoverage)),
                        static_cast<float>(params.sky_light_scale), static_cast<float>(params.ground_bounce_scale),
@@ -80,7 +90,7 @@ CloudMarchPass::Outputs CloudMarchPass::add(FrameGraph& graph, const FrameInfo& 
   shade.record([this, push, extent = frame.extent](gpu::Commands& cmd) {
     cmd.bind(shade_).push(push).dispatch_threads(extent.width, extent.height);
   });
-  return {.radiance = radiance, .info = marched.info};
+  return {.radiance = radiance, .info = marched.info, .near = near, .depths = marched.depths};
 }
 
 }  // namespace nepho

@@ -27,6 +27,9 @@ class CloudMarchPass {
     /// rgba32f: contribution-weighted depth, m (1e10: none); optical depth along the ray, up to about 16;
     /// dominant layer (0 none, 1..4: its place in CloudParams::layers); march steps + 1024 x samples of density.
     ImageRef info;
+    /// rgba32f: what `radiance` has at the nearer of two depths, and its opacity; the rest is at the farther one.
+    ImageRef near;
+    ImageRef depths;  ///< rg32f: the two, m; equal, and `near` nothing, where there is one; 1e10 without clouds
   };
   /// `clouds` must outlive the pass. `spectral_groups`: AtmosphereTables::spectral_groups() of the tables that add()
   /// gets.
@@ -35,8 +38,10 @@ class CloudMarchPass {
 
   /// The march without the lighting.
   struct Marched {
-    ImageRef light;  ///< rgba32f: shares of key light, sky light and ground light, 1/sr; transmittance
-    ImageRef info;   ///< as Outputs::info
+    ImageRef light;   ///< rgba32f: shares of key light, sky light and ground light, 1/sr; transmittance
+    ImageRef info;    ///< as Outputs::info
+    ImageRef near;    ///< rgba32f: the part of the shares that is at the nearer of two depths; its opacity
+    ImageRef depths;  ///< as Outputs::depths
   };
   /// There must be something to draw.
   Marched add_march(FrameGraph& graph, const FrameInfo& frame, ImageRef depth_m, const CloudDensityRefs& density,

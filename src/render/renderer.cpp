@@ -226,7 +226,8 @@ RenderResult Renderer::render(const RenderRequest& request) {
                                                   {.depth_m = out.terrain.depth_m,
                                                    .background = out.background,
                                                    .cloud = marched.radiance,
-                                                   .cloud_info = marched.info,
+                                                   .cloud_near = marched.near,
+                                                   .cloud_depths = marched.depths,
                                                    .froxels = froxels});
     out.background = out.radiance = aired.background;
     out.cloud = aired.cloud;

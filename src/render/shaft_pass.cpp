@@ -180,7 +180,7 @@ ShaftPass::Blocks ShaftPass::add_march(FrameGraph& graph, const FrameInfo& frame
   march.uniform("frame", frame.buffer)
       .uniform("shafts", constants(graph, frame, params, haze, shade, air))
       .sample("depth_m", in.depth_m, Sampler::nearest_clamp)
-      .sample("cloud_info", in.cloud ? in.cloud_info : in.depth_m, Sampler::nearest_clamp)
+      .sample("cloud_depths", in.cloud ? in.cloud_depths : in.depth_m, Sampler::nearest_clamp)
       .write("out_near", out.near)
       .write("out_far", out.far)
       .write("out_cloud_near", out.cloud_near)
@@ -211,9 +211,10 @@ ShaftPass::Outputs ShaftPass::add(FrameGraph& graph, const FrameInfo& frame, con
   auto pass = graph.pass(froxel ? "froxels.apply" : "shafts.apply");
   pass.uniform("frame", frame.buffer)
       .sample("depth_m", in.depth_m, Sampler::nearest_clamp)
-      .sample("cloud_info", in.cloud ? in.cloud_info : in.depth_m, Sampler::nearest_clamp)
+      .sample("cloud_depths", in.cloud ? in.cloud_depths : in.depth_m, Sampler::nearest_clamp)
       .sample("background", in.background, Sampler::nearest_clamp)
       .sample("cloud_radiance", in.cloud ? in.cloud : in.background, Sampler::nearest_clamp)
+      .sample("cloud_near", in.cloud ? in.cloud_near : in.background, Sampler::nearest_clamp)
       .write("out_background", background)
       .write("out_cloud", cloud);
   const uint32_t has_clouds = in.cloud ? 1 : 0;

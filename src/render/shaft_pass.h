@@ -48,9 +48,10 @@ class ShaftPass {
   struct Inputs {
     ImageRef depth_m;
     ImageRef background;
-    ImageRef cloud;       ///< premultiplied; may be empty: no clouds
-    ImageRef cloud_info;  ///< with it
-    FroxelRefs froxels;   ///< of add_froxels(), where the method is froxel
+    ImageRef cloud;         ///< premultiplied; may be empty: no clouds
+    ImageRef cloud_near;    ///< with it: CloudMarchPass::Outputs::near
+    ImageRef cloud_depths;  ///< and ::depths
+    FroxelRefs froxels;     ///< of add_froxels(), where the method is froxel
   };
   struct Outputs {
     ImageRef background, cloud;
