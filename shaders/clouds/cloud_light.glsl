@@ -4,6 +4,7 @@
 #define NEPHO_CLOUD_LIGHT_GLSL
 #include "clouds/cloud_density.glsl"
 #include "clouds/cloud_grid.glsl"
+#include "common/sampling.h"
 
 // Near the point the density itself is asked, at distances that grow; from there on the grid knows. Slow fields are those of
 // the point.
@@ -11,13 +12,35 @@ const int kSunTaps = 4;
 const float kSunGrowth = 1.8;
 const float kFirstTap_m = 20.0;
 
+// Schneider's set (2015), for comparison: five equal stretches whose looks wind outwards within a cone, and one three times as long,
+// on its axis. Together they reach as far as the others do.
+const int kConeTaps = 6;
+const float kConeFar = 3.0;     // lengths of the last stretch
+const float kConeSpread = 0.25; // radius of the cone at distance 1
+
+// From the axis, at distance 1.
+vec3 cone_aside(vec3 axis, int i) {
+  float radius = i < kConeTaps - 1 ? kConeSpread * sqrt((float(i) + 0.5) / float(kConeTaps - 1)) : 0.0, phi = 2.399963 * float(i);
+  vec3 t = tangent_of(axis);
+  return radius * (t * cos(phi) + cross(axis, t) * sin(phi));
+}
+
+// Length of a stretch of the cone's, of the first of `count` that grow so much.
+float cone_length(int i, float first_m, float growth, int count) {
+  float reach_m = first_m * (pow(growth, float(count)) - 1.0) / (growth - 1.0);
+  return reach_m / (float(kConeTaps - 1) + kConeFar) * (i < kConeTaps - 1 ? 1.0 : kConeFar);
+}
+
 float cloud_sun_depth(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_m, float log2_footprint) {
   vec3 sun = frame.frame_data.key_dir;
   float climb = dot(up, sun);
-  float depth = 0.0, from_m = 0.0, length_m = max(kFirstTap_m, 0.4 * exp2(log2_footprint));
-  for (int i = 0; i < kSunTaps; ++i) {
+  float first_m = max(kFirstTap_m, 0.4 * exp2(log2_footprint));
+  float depth = 0.0, from_m = 0.0, length_m = first_m;
+  for (int i = 0; i < (CONE ? kConeTaps : kSunTaps); ++i) {
+    if (CONE) length_m = cone_length(i, first_m, kSunGrowth, kSunTaps);
     float d = from_m + 0.5 * length_m;
-    float h = height_m + climb * d;
+    vec3 way = CONE ? sun + cone_aside(sun, i) : sun;
+    float h = height_m + (CONE ? dot(up, way) : climb) * d;
     float sigma_per_m = 0.0;
     if (CLOUD.uniform_density > 0.0) {
       float eta = cloud_eta(l, c, h);
@@ -27,7 +50,7 @@ float cloud_sun_depth(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_m
       float share = abs(rise) > 1.0e-6 ? inside / abs(rise) : (eta >= 0.0 && eta < 1.0 ? 1.0 : 0.0);
       sigma_per_m = share * CLOUD.uniform_density * CLOUD.layers[l].extinction_per_m;
     } else {
-      sigma_per_m = cloud_medium_at(l, c, p_cam + sun * d, up, h, max(log2_footprint, log2(0.4 * length_m))).sigma_per_m;
+      sigma_per_m = cloud_medium_at(l, c, p_cam + way * d, up, h, max(log2_footprint, log2(0.4 * length_m))).sigma_per_m;
     }
     depth += sigma_per_m * length_m;
     from_m += length_m;
@@ -46,11 +69,13 @@ float octave_sun_depth(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_
   vec3 sun = frame.frame_data.key_dir;
   float climb = dot(up, sun);
   float size = sqrt(CLOUD.layers[l].cell_size_m / 2500.0);
-  float depth = 0.0, from_m = 0.0, length_m = max(48.0 * size, 0.4 * exp2(log2_footprint));
+  float first_m = max(48.0 * size, 0.4 * exp2(log2_footprint));
+  float depth = 0.0, from_m = 0.0, length_m = first_m;
   // The way out of the layer, so that the last stretch counts as far as it is inside: whole ones would show as rings.
   float rise_m = clamp(height_m - c.base_m, 0.0, CLOUD.layers[l].thickness_m);
   float out_m = (climb > 0.0 ? CLOUD.layers[l].thickness_m - rise_m : rise_m) / max(abs(climb), 1.0e-3);
-  for (int i = 0; i < kOctaveTaps; ++i) {
+  for (int i = 0; i < (CONE ? kConeTaps : kOctaveTaps); ++i) {
+    if (CONE) length_m = cone_length(i, first_m, kOctaveGrowth, kOctaveTaps);
     float inside_m = min(length_m, out_m - from_m);
     if (inside_m <= 0.0) break;
     float sigma_per_m;
@@ -58,9 +83,10 @@ float octave_sun_depth(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_
       sigma_per_m = CLOUD.uniform_density * CLOUD.layers[l].extinction_per_m;
     } else {
       float d = from_m + 0.5 * inside_m;
-      float h = height_m + climb * d;
+      vec3 way = CONE ? sun + cone_aside(sun, i) : sun;
+      float h = height_m + (CONE ? dot(up, way) : climb) * d;
       float eta = clamp(cloud_eta(l, c, h), 0.0, 0.9999);
-      vec3 p = p_cam + sun * d;
+      vec3 p = p_cam + way * d;
       float log2_tap = max(log2_footprint, log2(0.5 * length_m));
       float unknown = c.unknown;
       float level = cloud_cell_level(l, c, p, up, h, eta, log2_tap, unknown);

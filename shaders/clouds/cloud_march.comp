@@ -9,8 +9,10 @@ layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_d
 #include "clouds/cloud_density.glsl"
 #include "clouds/light_shared.h"
 #include "clouds/octaves.h"
+#include "clouds/powder.h"
 #include "clouds/depth_split.h"
 layout(constant_id = 5) const bool OCTAVES = false;  // multiple scattering by octave_sum() instead of traced light
+layout(constant_id = 6) const bool CONE = false;     // looks at the sun within a cone
 layout(set = 0, binding = 24) uniform sampler3D grid_tex;
 layout(set = 0, binding = 28) uniform sampler3D most_tex;
 layout(set = 0, binding = 25) uniform sampler3D cells_tex;  // of light_gather.comp
@@ -459,7 +461,8 @@ void main() {
       }
     }
     // All lanes march towards the sun together here; within the loop above each step of one would have cost them all.
-    samples += lights * kSunTaps;
+    samples += lights * (CONE ? kConeTaps : kSunTaps);
+    vec2 traced = vec2(light.x, light_x.x), powdered = vec2(0.0);  // powder on what was traced is that of the ray's mean
     for (int i = 0; i < lights; ++i) {
       float at = sources[i].x;
       float at_s = at - span.x;
@@ -471,11 +474,18 @@ void main() {
       float sun_depth;
       if (OCTAVES) sun_depth = octave_sun_depth(source_layers[i], columns[i], dir * at, sq * inv, height_m, log2(footprint_m));
       else sun_depth = cloud_sun_depth(source_layers[i], columns[i], dir * at, sq * inv, height_m, log2(footprint_m));
-      float sent;
-      if (OCTAVES) sent = sources[i].y * octave_sum(cos_sun, CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight, sun_depth);
+      float sent, powder = powder_factor(sun_depth, cos_sun, CLOUD.powder);
+      if (OCTAVES) sent = sources[i].y * octave_sum(cos_sun, CLOUD.phase, CLOUD.multiple_scattering_weight, sun_depth);
       else sent = sources[i].y * beam_sum(beam0, beam1, light_data.data.forward_albedo, sun_depth);
+      sent *= powder;
+      powdered += sources[i].y * vec2(powder, 1.0);
       light.x += sent;
       light_x.x += sent * split_place(at, first_m);
+    }
+    traced *= powdered.x / max(powdered.y, 1.0e-20) - 1.0;
+    if (CLOUD.powder > 0.0) {
+      light.x += traced.x;
+      light_x.x += traced.y;
     }
     if (transmittance < kOpaque) transmittance = 0.0;
   }

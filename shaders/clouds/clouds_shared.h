@@ -88,9 +88,9 @@ struct CloudConstants {
   float log2_weather_texel_m;
   float single_scattering_albedo;
   float extinction_unit_per_m;    // extinction at density 1
-  float phase_g_forward;
-  float phase_g_backward;
-  float phase_backward_weight;
+  PhaseLobes phase;
+  float multiple_scattering_weight;
+  float powder;
   float uniform_density;          // > 0: the first layer is a slab of this density (a test of the march)
   float shape_displacement_m, detail_displacement_m, fine_displacement_m;
   vec3 shape_velocity_mps, detail_velocity_mps;  // east, north, up, relative to the wind

@@ -94,7 +94,7 @@ void main() {
       if (path == cells.paths) break;
       // Stratified over the angle, golden steps about it.
       vec2 u = vec2((float(path) + shift.x) / float(cells.paths), fract(shift.y + 0.618034 * float(path)));
-      way = SURFACE ? sample_cosine_hemisphere(normal, u) : direction_about(dir, sample_dual_hg_cosine(CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight, u.x), u.y);
+      way = SURFACE ? sample_cosine_hemisphere(normal, u) : direction_about(dir, sample_lobes_cosine(CLOUD.phase, u.x), u.y);
       start = origin;
       weight = 1.0;
       vertices = 0;
@@ -168,6 +168,7 @@ void main() {
     sum.x += mu * (exp(-rest * tau.y) - exp(-tau.x));
     imageStore(out_ground, ivec2(node), vec4(sum, distance_m));
   } else {
+    sum.x *= CLOUD.multiple_scattering_weight;
     imageStore(out_cells, ivec3(node, slice), vec4(sum, valid));
   }
 }

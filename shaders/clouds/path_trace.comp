@@ -356,23 +356,23 @@ void main() {
       float chance = random_unit(random), guide_share = 1.0;
       if (in_cloud) {
         weight *= CLOUD.single_scattering_albedo;
-        float cosine = sample_dual_hg_cosine(CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight, u.x);
+        float cosine = sample_lobes_cosine(CLOUD.phase, u.x);
         next_dir = direction_about(flight.dir, cosine, u.y);
-        float guide = MODE == kFurnace || second ? 0.0 : kGuide * smoothstep(0.2, 0.6, CLOUD.phase_g_forward);
+        float guide = MODE == kFurnace || second ? 0.0 : kGuide * smoothstep(0.2, 0.6, CLOUD.phase.g0);
         if (guide > 0.0) {
           // Two ways to the next direction, by the phase function and towards the light; weights by the balance heuristic.
-          float p = phase_dual_hg(cosine, CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight);
+          float p = phase_lobes(CLOUD.phase, cosine);
           if (chance < guide) {
             vec2 v = vec2(random_unit(random), random_unit(random));
             vec3 towards = direction_about(key, sample_hg_cosine(kGuideWidth, v.x), v.y);
-            float p2 = phase_dual_hg(dot(flight.dir, towards), CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight);
+            float p2 = phase_lobes(CLOUD.phase, dot(flight.dir, towards));
             waiting = true;
             wait_dir = towards;
             wait_weight = weight * (p2 / (p2 + guide * phase_hg(dot(towards, key), kGuideWidth)));
           }
           guide_share = p / (p + guide * phase_hg(dot(next_dir, key), kGuideWidth));
         }
-        pending = weight * light * phase_dual_hg(dot(flight.dir, to_key), CLOUD.phase_g_forward, CLOUD.phase_g_backward, CLOUD.phase_backward_weight);
+        pending = weight * light * phase_lobes(CLOUD.phase, dot(flight.dir, to_key));
       } else {
         vec4 surface;
         normal = here.up;

@@ -1,9 +1,8 @@
 #pragma once
-#include <array>
-#include <functional>
+#include <cstddef>
 #include <vector>
 
-#include "scene/cloud_params.h"
+#include "clouds/droplet_phase.h"
 
 namespace nepho {
 
@@ -17,17 +16,10 @@ struct PhaseCut {
 /// From the moments <P_1> and <P_2> of the function, 1 - f > 0.
 PhaseCut cut_phase(double p1, double p2);
 
-/// Legendre moments 0..count - 1 of a phase function given over the cosine of the scattering angle, 1/sr, by quadrature
-/// that is finest around forward.
-std::vector<double> phase_moments(const std::function<double(double)>& phase, size_t count);
-
 /// For every angle theta = pi (i / (texels - 1))^2 between a view ray and the light, and every order k = 0..orders - 1:
 /// the phase function of light that went k times nearly straight on before it is scattered to the eye, 1/sr. Row-major:
-/// rows of four orders each, RGBA. `phase`: over the cosine; order 0 is the function itself.
-std::vector<float> beam_table(const std::function<double(double)>& phase, const PhaseCut& cut, size_t texels,
-                              size_t orders);
-
-/// The phase function of these parameters, 1/sr over the cosine of the angle between directions of travel.
-std::function<double(double)> cloud_phase(const CloudParams& params);
+/// rows of four orders each, RGBA. Order 0 is the function itself; the others are multiplied by `more`.
+std::vector<float> beam_table(const DropletPhase& phase, const PhaseCut& cut, size_t texels, size_t orders,
+                              double more = 1.0);
 
 }  // namespace nepho

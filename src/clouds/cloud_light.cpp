@@ -98,12 +98,12 @@ void CloudLight::renew(const CloudParams& params) {
   traced_ = params.multiple_scattering != "octaves";
   const double extinction_per_m = params.scattering_per_m + params.absorption_per_m;
   albedo_ = extinction_per_m > 0.0 ? static_cast<float>(params.scattering_per_m / extinction_per_m) : 1.0f;
-  const auto phase = cloud_phase(params);
-  const std::vector<double> moments = phase_moments(phase, 4);
-  const PhaseCut cut = cut_phase(moments[1], moments[3]);
+  const DropletPhase phase = droplet_phase(params);
+  const PhaseCut cut = cut_phase(phase.moment(1), phase.moment(3));
   forward_share_ = static_cast<float>(cut.forward_share);
   wide_g_ = static_cast<float>(cut.wide_g);
-  const std::vector<float> table = beam_table(phase, cut, shared::kBeamTexels, shared::kBeamOrders);
+  const std::vector<float> table =
+      beam_table(phase, cut, shared::kBeamTexels, shared::kBeamOrders, params.multiple_scattering_weight);
   const gpu::ImageUpload upload{.image = &beam_, .bytes = std::as_bytes(std::span(table))};
   device_.upload({&upload, 1});
 }

@@ -10,6 +10,7 @@
 #include "clouds/cloud_anchor.h"
 #include "clouds/cloud_calibrate.comp.h"
 #include "clouds/cloud_density.h"
+#include "clouds/droplet_phase.h"
 #include "geo/planet_view.h"
 #include "gpu/commands.h"
 #include "gpu/graph_executor.h"
@@ -21,7 +22,7 @@ namespace {
 
 static_assert(sizeof(shared::CloudLayerConstants) == 19 * 4 + 2 * 16 + 2 * 8 + 4 * 4 + 16 * 4 + 4);
 static_assert(sizeof(shared::CloudConstants) ==
-              26 * 40 + 4 * sizeof(shared::CloudLayerConstants) + sizeof(shared::CloudAnchor) + 40 + 16 * 4 + 12 + 24);
+              26 * 40 + 4 * sizeof(shared::CloudLayerConstants) + sizeof(shared::CloudAnchor) + 40 + 16 * 4 + 28 + 24);
 
 constexpr double kLifetime_s = 2400.0;  ///< in which a cell's slice moves by a cell, at evolution_speed 1
 constexpr double kLean_s = 600.0;       ///< of shear that tops lean by: a cell's age
@@ -131,9 +132,9 @@ Clouds::Clouds(gpu::Device& device, const CloudParams& params, const WeatherSour
   const double extinction = params.scattering_per_m + params.absorption_per_m;
   c.single_scattering_albedo = extinction > 0.0 ? static_cast<float>(params.scattering_per_m / extinction) : 1.0f;
   c.extinction_unit_per_m = extinction > 0.0 ? static_cast<float>(extinction) : 1.0f;
-  c.phase_g_forward = static_cast<float>(params.phase_g_forward);
-  c.phase_g_backward = static_cast<float>(params.phase_g_backward);
-  c.phase_backward_weight = static_cast<float>(params.phase_backward_weight);
+  c.phase = droplet_phase(params).constants();
+  c.multiple_scattering_weight = static_cast<float>(params.multiple_scattering_weight);
+  c.powder = static_cast<float>(params.powder);
   c.uniform_density = static_cast<float>(params.uniform_density);
   c.shape_displacement_m = static_cast<float>(params.noise.shape.displacement_m);
   c.detail_displacement_m = static_cast<float>(params.noise.detail.displacement_m);
@@ -155,7 +156,8 @@ std::vector<uint32_t> Clouds::specialisation(uint32_t phases) const {
           phases,
           kind,
           ground ? 1u : 0u,
-          params_.multiple_scattering == "octaves" ? 1u : 0u};
+          params_.multiple_scattering == "octaves" ? 1u : 0u,
+          params_.sun_taps == "cone" ? 1u : 0u};
 }
 
 std::optional<uint64_t> Clouds::calibration_key() const {
@@ -165,6 +167,8 @@ std::optional<uint64_t> Clouds::calibration_key() const {
   // What the calibration reads: all constants but camera and clock, where the lattices start, and the shader itself.
   shared::CloudConstants constants = constants_;
   constants.anchor = make_cloud_anchor(lattices_, params_, dvec3(0.0), 0.5 * kWindow_s);
+  constants.phase = {};  // light is not asked for
+  constants.multiple_scattering_weight = constants.powder = 0.0f;
   const auto bytes = std::as_bytes(std::span(&constants, 1));
   const auto shader = std::as_bytes(std::span(cloud_calibrate_comp));
   return checksum_of(bytes.data(), bytes.size()) ^ (31 * checksum_of(shader.data(), shader.size()));

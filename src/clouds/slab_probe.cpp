@@ -9,6 +9,7 @@
 
 #include "base/progress.h"
 #include "clouds/cloud_march_pass.h"
+#include "clouds/droplet_phase.h"
 #include "geo/frames.h"
 #include "geo/planet_view.h"
 #include "gpu/graph_executor.h"
@@ -145,6 +146,10 @@ CloudParams slab_clouds(const Slab& slab) {
   params.absorption_per_m = extinction_per_m * (1.0 - slab.single_scattering_albedo);
   params.phase_g_forward = slab.g;
   params.phase_backward_weight = 0.0;
+  if (slab.droplet_diameter_um > 0.0) {
+    params.phase = "mie";
+    params.droplet_diameter_um = slab.droplet_diameter_um;
+  }
   params.sky_light_scale = 0.0;
   params.ground_bounce_scale = 0.0;
   return params;
@@ -159,8 +164,7 @@ shared::CloudConstants slab_constants(const Clouds& clouds, const Slab& slab) {
       static_cast<float>(march_step_m(params.layers[0].cell_size_m, static_cast<double>(c.layers[0].extinction_per_m)));
   c.extinction_unit_per_m = static_cast<float>(extinction_per_m);
   c.single_scattering_albedo = static_cast<float>(params.scattering_per_m / extinction_per_m);
-  c.phase_g_forward = static_cast<float>(slab.g);
-  c.phase_backward_weight = 0.0f;
+  c.phase = droplet_phase(params).constants();
   return c;
 }
 

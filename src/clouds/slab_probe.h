@@ -17,6 +17,7 @@ struct Slab {
   double single_scattering_albedo = 1.0;  ///< 0..1
   double g = 0.0;                         ///< mean cosine of the scattering angle, (-1, 1)
   double mu0 = 1.0;                       ///< cosine of the sun's zenith angle, (0, 1]
+  double droplet_diameter_um = 0.0;       ///< > 0: mie_fit() of these droplets in place of Henyey-Greenstein and g
   bool operator==(const Slab&) const = default;
 };
 

@@ -103,7 +103,7 @@ std::vector<Ray> rays_for(const Slab& slab, double noise) {
                     .least = kLeastFlux * noise});
   const auto& all = slab_directions();
   for (size_t i = 0; i < all.size(); ++i) {
-    const bool even = slab.g == 0.0 || slab.mu0 == 1.0 || all[i].mu == 1.0;
+    const bool even = (slab.g == 0.0 && slab.droplet_diameter_um == 0.0) || slab.mu0 == 1.0 || all[i].mu == 1.0;
     if (even && all[i].phi_deg > 0.0)
       rays.back().directions.push_back(i);
     else

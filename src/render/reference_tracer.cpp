@@ -1,10 +1,13 @@
 #include "render/reference_tracer.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "gpu/commands.h"
 #include "render/background_pass.h"
 #include "render/reference_copy.comp.h"
@@ -32,6 +35,15 @@ FrameInfo in_graph(const FrameInfo& frame, FrameGraph& graph) {
   return copy;
 }
 
+/// Which of the artist's options are not at their physical values, as they are named in a scene.
+std::string artistic(const CloudParams& clouds) {
+  std::string names;
+  const auto add = [&names](const char* name) { names += fmt::format("{}clouds.{}", names.empty() ? "" : ", ", name); };
+  if (clouds.multiple_scattering_weight != 1.0) add("multiple_scattering_weight");
+  if (clouds.powder != 0.0) add("powder");
+  return names;
+}
+
 }  // namespace
 
 ReferenceTracer::ReferenceTracer(gpu::Device& device, const Scene& scene, const Clouds& clouds,
@@ -46,7 +58,10 @@ ReferenceTracer::ReferenceTracer(gpu::Device& device, const Scene& scene, const 
       key_pipeline_(device, {.name = "reference.key", .spirv = reference_key_comp, .constants = {spectral_groups}}),
       shade_(device, {.name = "reference.shade",
                       .spirv = reference_shade_comp,
-                      .constants = {spectral_groups, scene.render.furnace_cd_m2 > 0.0 ? 1u : 0u}}) {}
+                      .constants = {spectral_groups, scene.render.furnace_cd_m2 > 0.0 ? 1u : 0u}}) {
+  if (const std::string options = artistic(scene.clouds); !options.empty())
+    log_warning("quality reference ignores artist's options: {}", options);
+}
 
 uint32_t ReferenceTracer::subpixels_of(Extent2D picture) {
   const uint64_t pixels = uint64_t{picture.width} * picture.height;

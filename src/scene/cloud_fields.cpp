@@ -331,10 +331,22 @@ void describe_light(FieldVisitor& v, CloudParams& p) {
           .term = "sigma_a",
           .other_names = "absorptionCoefficient"},
          &p.absorption_per_m);
+  v.leaf({.name = "phase",
+          .doc = "phase function of droplets: dual_hg, two Henyey-Greenstein lobes; cornette_shanks, the forward one "
+                 "Cornette-Shanks; mie, a fit to droplets of droplet_diameter_um, which asks for none of phase_*",
+          .term = "Henyey-Greenstein 1941; Cornette-Shanks 1992; HG + Draine (Jendersie and d'Eon 2023)",
+          .choices = {"dual_hg", "cornette_shanks", "mie"}},
+         &p.phase);
+  v.leaf({.name = "droplet_diameter_um",
+          .doc = "of phase mie: diameter of the droplets; larger ones have a narrower forward peak",
+          .unit = "um",
+          .range = closed(5, 50),
+          .term = "d of Jendersie and d'Eon 2023"},
+         &p.droplet_diameter_um);
   v.leaf({.name = "phase_g_forward",
           .doc = "asymmetry of the forward lobe of scattering by droplets; towards 1 the silver lining is brighter",
           .range = open(-1, 1),
-          .term = "g of Henyey-Greenstein 1941",
+          .term = "g of Henyey-Greenstein 1941, of Cornette-Shanks 1992",
           .other_names = "scatterAnisotropy1"},
          &p.phase_g_forward);
   v.leaf({.name = "phase_g_backward",
@@ -349,14 +361,13 @@ void describe_light(FieldVisitor& v, CloudParams& p) {
           .term = "two-lobe Henyey-Greenstein (Kattawar 1975)",
           .other_names = "scatterAnisotropyMix"},
          &p.phase_backward_weight);
-  v.leaf(
-      {.name = "multiple_scattering",
-       .doc =
-           "light scattered more than once, but for quality reference: cells, that fan out from the camera and hold traced light; octaves, "
-           "eight copies of single scattering with factors 0.5, for comparison",
-       .term = "octaves: multiple scattering approximation (Wrenninge 2013)",
-       .choices = {"cells", "octaves"}},
-      &p.multiple_scattering);
+  v.leaf({.name = "multiple_scattering",
+          .doc = "light scattered more than once, but for quality reference: cells, that fan out from the camera and "
+                 "hold traced light; octaves, "
+                 "eight copies of single scattering with factors 0.5, for comparison",
+          .term = "octaves: multiple scattering approximation (Wrenninge 2013)",
+          .choices = {"cells", "octaves"}},
+         &p.multiple_scattering);
   v.leaf({.name = "sky_light_scale",
           .doc = "times the light that the sky throws on clouds; 1 is physical",
           .range = closed(0, 10),
@@ -368,6 +379,25 @@ void describe_light(FieldVisitor& v, CloudParams& p) {
           .range = closed(0, 10),
           .other_names = "groundBounceScale"},
          &p.ground_bounce_scale);
+  v.leaf({.name = "multiple_scattering_weight",
+          .doc = "artist's option, not of quality reference: sunlight (moonlight) scattered more than once in clouds, "
+                 "times this; 0 is single scattering alone, 1 is physical",
+          .range = closed(0, 4)},
+         &p.multiple_scattering_weight);
+  v.leaf({.name = "powder",
+          .doc = "artist's option, not of quality reference: how much darker edges are that face the sun, seen with it "
+                 "behind; 0 is physical",
+          .range = share(),
+          .term = "Beer-powder (Schneider 2015)",
+          .other_names = "powderScale"},
+         &p.powder);
+  v.leaf(
+      {.name = "sun_taps",
+       .doc = "looks at the density towards the sun, but for quality reference: near, a few along the way; cone, six "
+              "within a widening cone, the last far away, for comparison",
+       .term = "cone-sampled lighting (Schneider 2015)",
+       .choices = {"near", "cone"}},
+      &p.sun_taps);
 }
 
 }  // namespace

@@ -94,16 +94,25 @@ struct CloudParams {
   WeatherParams weather;
   CloudNoiseParams noise;
   CloudShadowParams shadows;
-  double scattering_per_m = 0.04;      ///< scattering coefficient at density 1, 1/m, >= 0
-  double absorption_per_m = 0.0;       ///< absorption coefficient at density 1, 1/m, >= 0
-  double phase_g_forward = 0.85;       ///< forward Henyey-Greenstein lobe, (-1, 1)
-  double phase_g_backward = -0.2;      ///< backward lobe
-  double phase_backward_weight = 0.1;  ///< 0..1
+  double scattering_per_m = 0.04;  ///< scattering coefficient at density 1, 1/m, >= 0
+  double absorption_per_m = 0.0;   ///< absorption coefficient at density 1, 1/m, >= 0
+  /// Phase function of droplets: dual_hg; cornette_shanks, the same with a forward lobe of Cornette and Shanks; mie, a
+  /// fit to droplets of droplet_diameter_um.
+  std::string phase = "dual_hg";
+  double phase_g_forward = 0.85;       ///< forward lobe, (-1, 1); not of mie
+  double phase_g_backward = -0.2;      ///< backward Henyey-Greenstein lobe; not of mie
+  double phase_backward_weight = 0.1;  ///< 0..1; not of mie
+  double droplet_diameter_um = 20.0;   ///< of mie, micrometres, 5..50
   /// Light scattered more than once, in all qualities but reference: cells; octaves, as other renderers have it.
   std::string multiple_scattering = "cells";
   double sky_light_scale = 1.0;      ///< times the light that the sky throws on clouds, 0..10
   double ground_bounce_scale = 1.0;  ///< times the light that the ground throws back, 0..10
-  double uniform_density = 0.0;      ///< > 0: the first layer is an even slab of this density; tests of the march
+  /// Artist's options; quality reference ignores them. Light of the key light that was scattered more than once, times
+  /// this: 0 single scattering alone, 1 physical; 0..4.
+  double multiple_scattering_weight = 1.0;
+  double powder = 0.0;            ///< darker edges that face the light (Schneider 2015), 0 off .. 1
+  std::string sun_taps = "near";  ///< looks at the density towards the light: near, along it; cone, around it
+  double uniform_density = 0.0;   ///< > 0: the first layer is an even slab of this density; tests of the march
   bool operator==(const CloudParams&) const = default;
 };
 

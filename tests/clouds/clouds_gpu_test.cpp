@@ -6,6 +6,7 @@
 
 #include "clouds/cloud_march_pass.h"
 #include "clouds/cloud_probe.h"
+#include "clouds/droplet_phase.h"
 #include "clouds/statistics.h"
 #include "geo/frames.h"
 #include "geo/planet_view.h"
@@ -142,9 +143,8 @@ double octaves_from_above(const CloudParams& params, double tau, double mu0) {
   double sum = 0.0;
   for (double f = 1.0; f > 1.0 / 200.0; f *= 0.5) {
     const double k = 1.0 + f / mu0;
-    const float phase = shared::phase_dual_hg(static_cast<float>(-mu0), static_cast<float>(f * params.phase_g_forward),
-                                              static_cast<float>(f * params.phase_g_backward),
-                                              static_cast<float>(params.phase_backward_weight));
+    const float phase = shared::phase_lobes(
+        shared::phase_wider(droplet_phase(params).constants(), static_cast<float>(f)), static_cast<float>(-mu0));
     sum += f * static_cast<double>(phase) * (1.0 - std::exp(-tau * k)) / k;
   }
   return sum;
@@ -189,6 +189,57 @@ TEST_CASE("gpu: with octaves a slab sends the octave sum integrated over depth; 
     CHECK(std::abs(octaves.x / cells.x - 1.0f) > 0.1f);
     CHECK(octaves.w == cells.w);
   }
+}
+
+TEST_CASE("gpu: without light scattered more than once a slab sends single scattering, for all phase functions") {
+  CloudFixture f;
+  const double tau = 1.0, mu0 = std::sin(rad_from_deg(60.0));
+  const View v{.height_m = 5e3, .pitch_deg = -90.0, .fov_deg = 1.0, .sun_elevation_deg = 60.0, .size = {8, 8}};
+  for (const char* phase : {"dual_hg", "cornette_shanks", "mie"})
+    for (const char* method : {"octaves", "cells"}) {
+      CAPTURE(phase);
+      CAPTURE(method);
+      CloudParams params = uniform_slab(tau / 1000.0);
+      params.layers[0].thickness_m = 1000.0;
+      params.multiple_scattering = method;
+      params.multiple_scattering_weight = 0.0;
+      params.phase = phase;
+      // Seen from straight above; light turns by the angle whose cosine is -mu0.
+      const double k = 1.0 + 1.0 / mu0, expected = droplet_phase(params)(-mu0) * (1.0 - std::exp(-tau * k)) / k;
+      const glm::vec4 single = f.marched(v, params);
+      CHECK(static_cast<double>(single.x) == doctest::Approx(expected).epsilon(0.02));
+      params.multiple_scattering_weight = 0.5;
+      const glm::vec4 half = f.marched(v, params);
+      params.multiple_scattering_weight = 1.0;
+      const glm::vec4 all = f.marched(v, params);
+      CHECK(half.x == doctest::Approx(0.5f * (single.x + all.x)).epsilon(1e-3));
+      CHECK(all.x > 1.3f * single.x);
+      CHECK(half.y == all.y);  // the sky's light stays
+    }
+}
+
+TEST_CASE("gpu: powder takes light from edges that face the sun and is Schneider's formula on a slab") {
+  CloudFixture f;
+  const double tau = 1.0, mu0 = std::sin(rad_from_deg(60.0));
+  const View v{.height_m = 5e3, .pitch_deg = -90.0, .fov_deg = 1.0, .sun_elevation_deg = 60.0, .size = {8, 8}};
+  CloudParams params = uniform_slab(tau / 1000.0);
+  params.layers[0].thickness_m = 1000.0;
+  params.multiple_scattering_weight = 0.0;
+  for (const double powder : {0.5, 1.0}) {
+    CAPTURE(powder);
+    params.powder = powder;
+    // exp(-d) (1 + s (1 - 2 exp(-2 d))) over depth, d towards the sun, s as seen at this angle.
+    const double s = powder * 0.5 * (1.0 + mu0), k = 1.0 + 1.0 / mu0, k3 = 1.0 + 3.0 / mu0;
+    const double expected = droplet_phase(params)(-mu0) *
+                            ((1.0 + s) * (1.0 - std::exp(-tau * k)) / k - 2.0 * s * (1.0 - std::exp(-tau * k3)) / k3);
+    // Few looks at the sun stand for all depths.
+    CHECK(static_cast<double>(f.marched(v, params).x) == doctest::Approx(expected).epsilon(0.05));
+  }
+  // Light that was scattered before fades with it.
+  params.multiple_scattering_weight = 1.0;
+  const float powdered = f.marched(v, params).x;
+  params.powder = 0.0;
+  CHECK(powdered < 0.9f * f.marched(v, params).x);
 }
 
 TEST_CASE(

@@ -70,8 +70,8 @@ TEST_CASE("the dual-lobe phase function integrates to 1 and has the mean cosine 
   constexpr int kSteps = 20000;
   for (int i = 0; i < kSteps; ++i) {
     const double c = -1.0 + (i + 0.5) * 2.0 / kSteps;
-    const double p = shared::phase_dual_hg(static_cast<float>(c), static_cast<float>(g0), static_cast<float>(g1),
-                                           static_cast<float>(w));
+    const double p = shared::phase_lobes(
+        {static_cast<float>(g0), 0.0f, static_cast<float>(g1), 0.0f, static_cast<float>(w)}, static_cast<float>(c));
     sum += p * 2.0 * M_PI * 2.0 / kSteps;
     cosine += p * c * 2.0 * M_PI * 2.0 / kSteps;
   }

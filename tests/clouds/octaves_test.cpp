@@ -8,6 +8,8 @@
 namespace nepho {
 namespace {
 
+shared::PhaseLobes lobe(float g) { return {g, 0.0f, 0.0f, 0.0f, 0.0f}; }
+
 /// Plane albedo of a slab by the octave sum: emergent radiance in closed form over depth, midpoints over the
 /// hemisphere.
 double slab_reflectance(double tau, double mu0, double g) {
@@ -22,8 +24,8 @@ double slab_reflectance(double tau, double mu0, double g) {
       for (int k = 0; k < kDepths; ++k) {
         const double depth = -mu * std::log(1.0 - seen * (k + 0.5) / kDepths);
         radiance += seen / kDepths *
-                    static_cast<double>(shared::octave_sum(static_cast<float>(cosine), static_cast<float>(g), 0.0f,
-                                                           0.0f, static_cast<float>(depth / mu0)));
+                    static_cast<double>(shared::octave_sum(static_cast<float>(cosine), lobe(static_cast<float>(g)),
+                                                           1.0f, static_cast<float>(depth / mu0)));
       }
       flux += radiance * mu * (1.0 / kMu) * (2.0 * std::numbers::pi / kPhi);
     }
@@ -32,7 +34,7 @@ double slab_reflectance(double tau, double mu0, double g) {
 }
 
 TEST_CASE("the octave sum of isotropic scattering in full light is (2 - 1/128) / (4 pi)") {
-  CHECK(shared::octave_sum(0.3f, 0.0f, 0.0f, 0.0f, 0.0f) ==
+  CHECK(shared::octave_sum(0.3f, lobe(0.0f), 1.0f, 0.0f) ==
         doctest::Approx((2.0 - 1.0 / 128.0) / (4.0 * std::numbers::pi)).epsilon(1e-6));
 }
 
@@ -42,8 +44,10 @@ TEST_CASE("the first octave is single scattering, the second halves attenuation,
   for (int n = 0; n < 8; ++n)
     expected += std::pow(0.5, n) * std::exp(-std::pow(0.5, n) * 3.0) *
                 static_cast<double>(shared::phase_hg(cosine, g * static_cast<float>(std::pow(0.5, n))));
-  CHECK(shared::octave_sum(cosine, g, -0.2f, 0.0f, 3.0f) == doctest::Approx(expected).epsilon(1e-5));
-  CHECK(shared::octave_sum(cosine, -0.2f, g, 1.0f, 3.0f) == doctest::Approx(expected).epsilon(1e-5));
+  CHECK(shared::octave_sum(cosine, {g, 0.0f, -0.2f, 0.0f, 0.0f}, 1.0f, 3.0f) ==
+        doctest::Approx(expected).epsilon(1e-5));
+  CHECK(shared::octave_sum(cosine, {-0.2f, 0.0f, g, 0.0f, 1.0f}, 1.0f, 3.0f) ==
+        doctest::Approx(expected).epsilon(1e-5));
 }
 
 // The study of real-time cloud lighting against a path tracer that the project starts from: its row "octaves .5 x8", g

@@ -113,5 +113,28 @@ TEST_CASE("gpu: a traced slab without absorption loses nothing; one that only ab
   CHECK(black.light.transmittance_diffuse < 4.0 * black.error.transmittance_diffuse);
 }
 
+// Fluxes through the bottom are not compared: their forward peak, half a degree wide, lies between the pixels of the
+// pictures that the march's are sums over.
+TEST_CASE("gpu: cells and the path tracer agree on a slab of droplets with Mie's fit within 10 %") {
+  GpuFixture f;
+  const Slab slab{.tau = 4.0, .mu0 = 0.7, .droplet_diameter_um = 20.0};
+  const TracedSlab traced = TracedSlabs(f.device, 0.04).trace(slab);
+  const SlabLight cells = MarchedSlabs(f.device, "cells", 8).solve({&slab, 1}).front();
+  MESSAGE("reflectance ", cells.reflectance, " and ", traced.light.reflectance, " +- ", traced.error.reflectance);
+  CHECK(cells.transmittance_direct == doctest::Approx(std::exp(-4.0 / 0.7)).epsilon(0.02));
+  CHECK(std::abs(cells.reflectance - traced.light.reflectance) <
+        0.1 * traced.light.reflectance + 3.0 * traced.error.reflectance);
+  double sum = 0.0, apart = 0.0, error = 0.0;
+  for (size_t i = 0; i < kSlabDirections; ++i) {
+    if (slab_directions()[i].mu < 0.3) continue;
+    sum += traced.light.radiance[i];
+    apart += std::abs(cells.radiance[i] - traced.light.radiance[i]);
+    error += traced.error.radiance[i];
+    MESSAGE(slab_directions()[i].name(), " ", cells.radiance[i], " ", traced.light.radiance[i], " +- ",
+            traced.error.radiance[i]);
+  }
+  CHECK(apart < 0.1 * sum + error);
+}
+
 }  // namespace
 }  // namespace nepho

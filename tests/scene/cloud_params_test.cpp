@@ -176,6 +176,14 @@ TEST_CASE("layers that cannot be are errors that name layer, value and range") {
         "clouds.noise.detail.velocity_mps[2]: 200 is out of range; allowed: -150..150 m/s");
   CHECK(clouds_fail(R"({"weather": {"seed": -1}})") ==
         "clouds.weather.seed: -1 is out of range; allowed: 0..4294967295");
+  CHECK(clouds_fail(R"({"phase": "rayleigh"})") ==
+        "clouds.phase: 'rayleigh' is not one of dual_hg, cornette_shanks, mie");
+  CHECK(clouds_fail(R"({"droplet_diameter_um": 4.9})") ==
+        "clouds.droplet_diameter_um: 4.9 is out of range; allowed: 5..50 um");
+  CHECK(clouds_fail(R"({"powder": 1.5})") == "clouds.powder: 1.5 is out of range; allowed: 0..1");
+  CHECK(clouds_fail(R"({"multiple_scattering_weight": -1})") ==
+        "clouds.multiple_scattering_weight: -1 is out of range; allowed: 0..4");
+  CHECK(clouds_fail(R"({"sun_taps": "broad"})") == "clouds.sun_taps: 'broad' is not one of near, cone");
   CHECK(clouds_fail(R"({"coverage": -0.01})") == "clouds.coverage: -0.01 is out of range; allowed: 0..1");
 }
 
