@@ -42,6 +42,9 @@ const float kRouletteBelow = 0.3;   // weights below are gambled up to it
 const float kShadowBelow = 0.25;    // the same of a shadow's transmittance
 const float kGuide = 0.3;           // chance of a scattering to send a second path out towards the key light
 const float kGuideWidth = 0.8;      // asymmetry of the lobe that it is drawn from
+const float kNarrow = 0.9;          // droplets' forward lobes narrower than this are that lobe themselves
+const float kGuideSecond = 0.1;     // then: chance of a scattering of the second path to be offered a way towards the light
+const float kGuideValue = 0.2;      // of its choice: how much a way towards the light is worth, over isotropic scattering there
 const float kShadowOf = 0.2;       // of the light, 1/sr: vertices that would send less are gambled up to it
 const float kLeastShadows = 0.1;
 const int kMoves = 12;              // along a flight in one turn
@@ -123,10 +126,16 @@ float bound_along(Flight f, out float reach_m) {
 // Optical depth to the next tentative collision. (Above 0: a logarithm that is but nearly exact may give less at 1.)
 float optical_draw(inout Random random) { return max(-log(1.0 - random_unit(random)), 1.0e-9); }
 
+// The density that second paths' directions are drawn from, over the cosine to the key light. Where light hardly turns it must be as
+// narrow: a path of full weight that happens to run along the light would bring hundreds of times the mean.
+bool guide_is_narrow() { return CLOUD.phase.g0 > kNarrow; }
+float guide_density(float cosine) { return guide_is_narrow() ? phase_lobes(CLOUD.phase, cosine) : phase_hg(cosine, kGuideWidth); }
+float guide_cosine(float u) { return guide_is_narrow() ? sample_lobes_cosine(CLOUD.phase, u) : sample_hg_cosine(kGuideWidth, u); }
+
 // A path's weight after roulette. `cosine`: of its direction to the key light's.
 vec3 gambled(vec3 weight, float cosine, inout Random random) {
   float size = max(abs(weight.x), max(abs(weight.y), abs(weight.z)));
-  float least = kRouletteBelow / (1.0 + 2.0 * phase_hg(cosine, kGuideWidth));
+  float least = kRouletteBelow / (1.0 + (guide_is_narrow() ? 4.0 * kPi : 2.0) * guide_density(cosine));
   if (size >= least) return weight;
   float survive = size / least;
   return random_unit(random) < survive ? weight / survive : vec3(0.0);
@@ -358,19 +367,28 @@ void main() {
         weight *= CLOUD.single_scattering_albedo;
         float cosine = sample_lobes_cosine(CLOUD.phase, u.x);
         next_dir = direction_about(flight.dir, cosine, u.y);
-        float guide = MODE == kFurnace || second ? 0.0 : kGuide * smoothstep(0.2, 0.6, CLOUD.phase.g0);
+        float guide = MODE == kFurnace ? 0.0 : second ? (guide_is_narrow() ? kGuideSecond : 0.0) : kGuide * smoothstep(0.2, 0.6, CLOUD.phase.g0);
         if (guide > 0.0) {
           // Two ways to the next direction, by the phase function and towards the light; weights by the balance heuristic.
-          float p = phase_lobes(CLOUD.phase, cosine);
+          float p = phase_lobes(CLOUD.phase, cosine), density = guide_density(dot(next_dir, key));
+          guide_share = p / (p + guide * density);
           if (chance < guide) {
             vec2 v = vec2(random_unit(random), random_unit(random));
-            vec3 towards = direction_about(key, sample_hg_cosine(kGuideWidth, v.x), v.y);
-            float p2 = phase_lobes(CLOUD.phase, dot(flight.dir, towards));
-            waiting = true;
-            wait_dir = towards;
-            wait_weight = weight * (p2 / (p2 + guide * phase_hg(dot(towards, key), kGuideWidth)));
+            vec3 towards = direction_about(key, guide_cosine(v.x), v.y);
+            float p2 = phase_lobes(CLOUD.phase, dot(flight.dir, towards)), density2 = guide_density(dot(towards, key));
+            float share2 = p2 / (p2 + guide * density2);
+            if (!second) {
+              waiting = true;
+              wait_dir = towards;
+              wait_weight = weight * share2;
+            } else {
+              // No third path: one of the two goes on for both, by what they may bring.
+              float a = guide_share * (1.0 + kGuideValue * 4.0 * kPi * density), b = share2 * (1.0 + kGuideValue * 4.0 * kPi * density2);
+              bool turn = random_unit(random) * (a + b) < b;
+              guide_share = turn ? share2 * ((a + b) / b) : guide_share * ((a + b) / a);
+              if (turn) next_dir = towards;
+            }
           }
-          guide_share = p / (p + guide * phase_hg(dot(next_dir, key), kGuideWidth));
         }
         pending = weight * light * phase_lobes(CLOUD.phase, dot(flight.dir, to_key));
       } else {

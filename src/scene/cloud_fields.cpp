@@ -385,8 +385,8 @@ void describe_light(FieldVisitor& v, CloudParams& p) {
           .range = closed(0, 4)},
          &p.multiple_scattering_weight);
   v.leaf({.name = "powder",
-          .doc = "artist's option, not of quality reference: how much darker edges are that face the sun, seen with it "
-                 "behind; 0 is physical",
+          .doc = "artist's option, not of quality reference: darker edges and up to twice as bright insides, seen with "
+                 "the sun behind; 0 is physical",
           .range = share(),
           .term = "Beer-powder (Schneider 2015)",
           .other_names = "powderScale"},

@@ -218,7 +218,7 @@ TEST_CASE("gpu: without light scattered more than once a slab sends single scatt
     }
 }
 
-TEST_CASE("gpu: powder takes light from edges that face the sun and is Schneider's formula on a slab") {
+TEST_CASE("gpu: powder takes light from thin edges and is Schneider's formula on a slab") {
   CloudFixture f;
   const double tau = 1.0, mu0 = std::sin(rad_from_deg(60.0));
   const View v{.height_m = 5e3, .pitch_deg = -90.0, .fov_deg = 1.0, .sun_elevation_deg = 60.0, .size = {8, 8}};
@@ -235,11 +235,19 @@ TEST_CASE("gpu: powder takes light from edges that face the sun and is Schneider
     // Few looks at the sun stand for all depths.
     CHECK(static_cast<double>(f.marched(v, params).x) == doctest::Approx(expected).epsilon(0.05));
   }
-  // Light that was scattered before fades with it.
+  // Light that was scattered before goes with it: darker where the slab is thin, up to twice as bright where it is not.
   params.multiple_scattering_weight = 1.0;
-  const float powdered = f.marched(v, params).x;
-  params.powder = 0.0;
-  CHECK(powdered < 0.9f * f.marched(v, params).x);
+  const auto change = [&](double depth) {
+    params.scattering_per_m = depth / 1000.0;
+    params.powder = 0.0;
+    const float plain = f.marched(v, params).x;
+    params.powder = 1.0;
+    return f.marched(v, params).x / plain;
+  };
+  CHECK(change(0.1) < 0.4f);
+  const float deep = change(8.0);
+  CHECK(deep > 1.0f);
+  CHECK(deep < 2.0f);
 }
 
 TEST_CASE(
