@@ -462,7 +462,6 @@ void main() {
     }
     // All lanes march towards the sun together here; within the loop above each step of one would have cost them all.
     samples += lights * (CONE ? kConeTaps : kSunTaps);
-    vec2 traced = vec2(light.x, light_x.x), powdered = vec2(0.0);  // powder on what was traced is that of the ray's mean
     for (int i = 0; i < lights; ++i) {
       float at = sources[i].x;
       float at_s = at - span.x;
@@ -478,14 +477,8 @@ void main() {
       if (OCTAVES) sent = sources[i].y * octave_sum(cos_sun, CLOUD.phase, CLOUD.multiple_scattering_weight, sun_depth);
       else sent = sources[i].y * beam_sum(beam0, beam1, light_data.data.forward_albedo, sun_depth);
       sent *= powder;
-      powdered += sources[i].y * vec2(powder, 1.0);
       light.x += sent;
       light_x.x += sent * split_place(at, first_m);
-    }
-    traced *= powdered.x / max(powdered.y, 1.0e-20) - 1.0;
-    if (CLOUD.powder > 0.0) {
-      light.x += traced.x;
-      light_x.x += traced.y;
     }
     if (transmittance < kOpaque) transmittance = 0.0;
   }

@@ -235,7 +235,7 @@ TEST_CASE("gpu: powder takes light from thin edges and is Schneider's formula on
     // Few looks at the sun stand for all depths.
     CHECK(static_cast<double>(f.marched(v, params).x) == doctest::Approx(expected).epsilon(0.05));
   }
-  // Light that was scattered before goes with it: darker where the slab is thin, up to twice as bright where it is not.
+  // Darker where the slab is thin, up to twice as bright where it is not; light that was traced stays.
   params.multiple_scattering_weight = 1.0;
   const auto change = [&](double depth) {
     params.scattering_per_m = depth / 1000.0;
