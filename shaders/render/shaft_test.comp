@@ -11,8 +11,10 @@ layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_d
 #include "clouds/shadow_map.glsl"
 #define ATMOSPHERE_BINDING 12
 #include "atmosphere/atmosphere_lookup.glsl"
+const int kEyeLooks = 8;  // at the density, in a step
 struct Stretch { vec3 dir; float from_m, to_m; };
-struct Step { vec3 single; float visible, by_map; };  // luminance of the step, unshaded; share of the sun, and by the shadow maps
+// Luminance of the step, unshaded; share of the sun, and by the shadow maps; extinction of clouds, 1/m.
+struct Step { vec3 single; float visible, by_map, cloud_per_m; };
 layout(scalar, set = 0, binding = 19) readonly buffer StretchBlock { Stretch at[]; } stretches;
 layout(scalar, set = 0, binding = 20) writeonly buffer StepBlock { Step at[]; } steps;
 layout(push_constant, scalar) uniform PushBlock { uint first, count, steps_of_a_ray; float step_m, low_m, high_m; } push;
@@ -69,6 +71,12 @@ void main() {
   Flight flight = flight_from(stretch.dir * t, f.key_dir);
   Place here = place_on(flight);
   float reach, tau = 0.0;
+  float cloud_per_m = 0.0;
+  for (int k = 0; k < kEyeLooks; ++k) {
+    vec3 p = stretch.dir * (t + ((float(k) + 0.5) / float(kEyeLooks) - 0.5) * step_m);
+    Place eye = place_on(flight_from(p, f.key_dir));
+    if (eye.height_m > push.low_m && eye.height_m < push.high_m) cloud_per_m += extinction(p, eye.up, eye.height_m, reach) / float(kEyeLooks);
+  }
   float s = here.height_m < push.low_m ? length_rising(push.low_m - here.height_m, dot(flight.dir, here.up)) * 0.999 : 0.0;
   for (uint k = 0u; k < 20000u && tau < 8.0; ++k) {
     flight.s = s + 0.5 * push.step_m;
@@ -80,5 +88,5 @@ void main() {
     tau += sigma * far_m;
     s += far_m;
   }
-  steps.at[id] = Step(single * light_factor(f, 0) * ray.stretch * step_m, exp(-tau), cloud_sun_transmittance(stretch.dir * t));
+  steps.at[id] = Step(single * light_factor(f, 0) * ray.stretch * step_m, exp(-tau), cloud_sun_transmittance(stretch.dir * t), cloud_per_m);
 }
