@@ -25,6 +25,9 @@ layout(set = 0, binding = 20, r32f) uniform readonly image2D depth_m;
 layout(set = 0, binding = 21, rgba32f) uniform writeonly image2D out_light;
 layout(set = 0, binding = 22, rgba32f) uniform writeonly image2D out_info;
 layout(set = 0, binding = 23) uniform sampler2DArray cloud_blue;
+#define TERRAIN_VOLUME_BINDING 31
+#define TERRAIN_CONSTANT 7
+#include "terrain/terrain_air.glsl"
 layout(set = 0, binding = 29, rgba32f) uniform writeonly image2D out_near;   // of the nearer of two depths: shares of the lights, opacity
 layout(set = 0, binding = 30, rg32f) uniform writeonly image2D out_depths;   // the two, m; equal where one does (depth_split.h)
 
@@ -476,7 +479,7 @@ void main() {
       float sent, powder = powder_factor(sun_depth, cos_sun, CLOUD.powder);
       if (OCTAVES) sent = sources[i].y * octave_sum(cos_sun, CLOUD.phase, CLOUD.multiple_scattering_weight, sun_depth);
       else sent = sources[i].y * beam_sum(beam0, beam1, light_data.data.forward_albedo, sun_depth);
-      sent *= powder;
+      sent *= powder * terrain_air_share(dir * at);
       light.x += sent;
       light_x.x += sent * split_place(at, first_m);
     }

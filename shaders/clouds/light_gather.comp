@@ -25,6 +25,9 @@ layout(set = 0, binding = 10) uniform sampler2D sky_tex;   // of light_sky.comp
 layout(set = 0, binding = 11) uniform sampler2D depth_m;
 layout(set = 0, binding = 12, rgba32f) uniform writeonly image2D out_ground;
 layout(constant_id = 0) const bool SURFACE = false;  // false: cells; true: what falls on the ground at the nodes
+#define TERRAIN_VOLUME_BINDING 13  // and 14
+#define TERRAIN_CONSTANT 1
+#include "terrain/terrain_air.glsl"
 #define GROUND_MAP_BINDING 7  // and 8
 #include "terrain/ground_map.glsl"
 
@@ -127,7 +130,7 @@ void main() {
           vec3 p = flight.origin + flight.dir * flight.s;
           GroundPoint ground = ground_at(light.data.ground, here.dir);
           weight *= mix(dot(ground.albedo, vec3(0.2126, 0.7152, 0.0722)), kWaterAlbedo, ground.water);
-          sum.z += weight / kPi * exp(-rest * grid_sun_depth(grid, p, sun).y);
+          sum.z += weight / kPi * exp(-rest * grid_sun_depth(grid, p, sun).y) * terrain_air_share(p);
           begin = true;
           start = p + here.up;
           way = sample_cosine_hemisphere(here.up, draw);
@@ -139,7 +142,7 @@ void main() {
           vec4 medium = grid_read(grid, band, here);
           if (chance * majorant < rest * medium.x) {
             weight *= light.data.wide_albedo;
-            sum.x += weight * phase_hg(dot(flight.dir, sun), light.data.wide_g) * exp(-rest * min(medium.y, medium.w));
+            sum.x += weight * phase_hg(dot(flight.dir, sun), light.data.wide_g) * exp(-rest * min(medium.y, medium.w)) * terrain_air_share(flight.origin + flight.dir * flight.s);
             begin = true;
             start = flight.origin + flight.dir * flight.s;
             way = direction_about(flight.dir, sample_hg_cosine(light.data.wide_g, draw.x), draw.y);
@@ -165,7 +168,7 @@ void main() {
     // Light that went nearly straight on falls as if it came from the light itself.
     vec2 tau = grid_sun_depth(grid, origin, sun);
     float mu = max(dot(normal, sun), 0.0);
-    sum.x += mu * (exp(-rest * tau.y) - exp(-tau.x));
+    sum.x += mu * (exp(-rest * tau.y) - exp(-tau.x)) * terrain_air_share(origin);
     imageStore(out_ground, ivec2(node), vec4(sum, distance_m));
   } else {
     sum.x *= CLOUD.multiple_scattering_weight;

@@ -10,7 +10,10 @@ layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_d
 layout(set = 0, binding = 26) uniform sampler2D cloud_radiance;  // a: transmittance
 #define SHAFT_BINDING 19
 float screen_visible;  // share of the sun for the block at hand
-#define AIR_VISIBLE(p) screen_visible
+#define TERRAIN_VOLUME_BINDING 40
+#define TERRAIN_CONSTANT 9
+#include "terrain/terrain_air.glsl"
+#define AIR_VISIBLE(p) (screen_visible * terrain_air_share(p))
 #define AIR_BLOCK(block) screen_visible = screen_visibility(block);
 #define AIR_GLOW
 #include "render/shaft_air.glsl"

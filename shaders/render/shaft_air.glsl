@@ -1,5 +1,5 @@
-// What clouds' shade and haze change of the light that the air sends along a ray. Needs `frame`, SHAFT_BINDING and
-// atmosphere/atmosphere_lookup.glsl before it, and AIR_VISIBLE(p_cam): the share of the key light that clouds let through to a point.
+// What shade and haze change of the light that the air sends along a ray. Needs `frame`, SHAFT_BINDING and
+// atmosphere/atmosphere_lookup.glsl before it, and AIR_VISIBLE(p_cam): the share of the key light that clouds and terrain let through to a point.
 //
 // A picture of clear air without shade is B. With it, it is T_haze B + change: the change is
 //   integral of [haze source + single (V T - 1) + multiple (T - 1)] + (1 - T_haze) integral of [single + multiple]
@@ -123,7 +123,7 @@ bool shaft_stretch(AirMarch m, float far_m, out StepPlan plan) {
   AtmosphereUniform air = atmosphere.air;
   vec2 hull, bulk;
   vec4 cut = vec4(0.0);
-  float top_m = HAZE > 0u ? max(shafts.data.haze.top_m, shafts.data.cloud_top_m) : shafts.data.cloud_top_m;
+  float top_m = HAZE > 0u ? max(shafts.data.haze.top_m, shafts.data.shade_top_m) : shafts.data.shade_top_m;
   bool meets = intersect_shell(planet, m.dir, top_m, hull) && hull.y > 0.0;
   cut.x = max(hull.x, 0.0);
   cut.w = max(min(min(hull.y, far_m), m.end_m), cut.x);

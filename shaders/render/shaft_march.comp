@@ -8,7 +8,10 @@ layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_d
 #define ATMOSPHERE_BINDING 12
 #include "atmosphere/atmosphere_lookup.glsl"
 #define SHAFT_BINDING 19
-#define AIR_VISIBLE(p) cloud_sun_transmittance(p)
+#define TERRAIN_VOLUME_BINDING 40
+#define TERRAIN_CONSTANT 9
+#include "terrain/terrain_air.glsl"
+#define AIR_VISIBLE(p) (cloud_sun_transmittance(p) * terrain_air_share(p))
 #define AIR_BLOCK(block)
 #define AIR_LOOKS 3
 #include "render/shaft_air.glsl"

@@ -7,7 +7,7 @@ SHARED_BEGIN
 // Constant for a scene, but for the ground's height.
 struct ShaftData {
   HazeData haze;
-  float cloud_top_m;     // scaled height that no cloud reaches; below the ground: no shadows
+  float shade_top_m;     // scaled height that no shade reaches; below the ground: no shadows
   float intensity;       // 1: the share of the sun that clouds take is taken
   float ground_m;        // scaled height of the ground around the camera: where haze ends
   float ground_albedo;

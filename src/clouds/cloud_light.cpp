@@ -190,6 +190,9 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
                 .time_s = frame.time_s,
                 .key_dir = frame.constants.key_dir,
                 .forward = frame.constants.forward};
+  const bool terrain = static_cast<bool>(in.terrain_shadow);
+  const ImageRef terrain_shadow = terrain ? in.terrain_shadow : graph.import(no_height_);
+  const BufferRef terrain_map = terrain ? in.terrain_map : graph.constants("clouds.no_terrain", map);
   if (!traced_) {  // bound, never read
     const ImageRef none = graph.import(none_);
     return {.data = data,
@@ -198,6 +201,9 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
             .cells = none,
             .ground = {},
             .nodes = {},
+            .terrain_shadow = terrain_shadow,
+            .terrain_map = terrain_map,
+            .terrain = terrain,
             .beam = graph.import(beam_)};
   }
   if (!filled_ || !(key == key_)) {
@@ -260,14 +266,20 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
         .sample("depth_m", in.depth_m, Sampler::nearest_clamp)
         .sample("ground_albedo_tex", in.ground_albedo ? in.ground_albedo : graph.import(no_albedo_))
         .sample("ground_height_tex", in.ground_height ? in.ground_height : graph.import(no_height_))
+        .sample("terrain_volume_tex", terrain_shadow)
+        .uniform("terrain_volume", terrain_map)
         .read("work", work)
         .read("list", list)
         .write("out_cells", traced)
         .write("out_ground", ground);
     const uint32_t threads = surface ? cells.nodes.x * cells.nodes.y : words * 32;
-    gather.record([this, surface, threads](gpu::Commands& cmd) {
-      cmd.bind(surface ? gather_ground_ : gather_).dispatch_threads(threads);
-    });
+    gpu::ComputePipeline& shaded = gather_terrain_[surface ? 1 : 0];
+    if (terrain && !shaded)
+      shaded = gpu::ComputePipeline(device_, {.name = surface ? "clouds.light_ground" : "clouds.light_gather",
+                                              .spirv = light_gather_comp,
+                                              .constants = {surface ? 1u : 0u, 1u}});
+    const gpu::ComputePipeline& pipeline = terrain ? shaded : surface ? gather_ground_ : gather_;
+    gather.record([&pipeline, threads](gpu::Commands& cmd) { cmd.bind(pipeline).dispatch_threads(threads); });
   }
   auto smooth = graph.pass("clouds.light_smooth");
   smooth.uniform("frame", frame.buffer)
@@ -283,6 +295,9 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
           .cells = out,
           .ground = ground,
           .nodes = cells.nodes,
+          .terrain_shadow = terrain_shadow,
+          .terrain_map = terrain_map,
+          .terrain = terrain,
           .beam = graph.import(beam_)};
 }
 

@@ -33,8 +33,11 @@ class CloudLight {
     ImageRef depth_m;  ///< r32f: distance along the pixel's ray to the surface, m
     CloudDensityRefs density;
     const AtmosphereTables::Refs* atmosphere = nullptr;  ///< without: an even sky
-    shared::RegionMap ground{};                          ///< of the two images below
-    ImageRef ground_albedo, ground_height;  ///< as terrain/ground_map.glsl reads them; without: a black ellipsoid
+    ImageRef terrain_shadow = {};  ///< with terrain_map as terrain/terrain_volume.glsl reads them; without: no terrain
+    BufferRef terrain_map = {};
+    shared::RegionMap ground{};  ///< of the two images below
+    ImageRef ground_albedo = {},
+             ground_height = {};  ///< as terrain/ground_map.glsl reads them; without: a black ellipsoid
   };
   struct Refs {
     BufferRef data;  ///< shared::CloudLightConstants
@@ -45,7 +48,10 @@ class CloudLight {
         ground;  ///< rgba32f, a texel per node: illuminance of the ground by light that clouds scattered, as shares of
                  ///< key light, sky light and key light on the ground; distance of the ground, m. Empty: octaves
     glm::uvec2 nodes{0};
-    ImageRef beam;  ///< rgba32f: shared::kBeamTexels wide (clouds/beam_table.h)
+    ImageRef terrain_shadow;  ///< of Inputs, or something to bind
+    BufferRef terrain_map;
+    bool terrain = false;  ///< of Inputs
+    ImageRef beam;         ///< rgba32f: shared::kBeamTexels wide (clouds/beam_table.h)
   };
   /// Fills grid and cells for a frame. The grid is kept while camera place, light and clock stay.
   Refs add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in);
@@ -72,6 +78,7 @@ class CloudLight {
   gpu::ComputePipeline sun_;
   std::array<gpu::ComputePipeline, 3> spread_;  ///< by axis
   gpu::ComputePipeline mark_, list_, gather_, gather_ground_, smooth_, sky_;
+  std::array<gpu::ComputePipeline, 2> gather_terrain_;  ///< the two among terrain, made when a frame needs them
   gpu::Image extinction_, grid_, most_, beam_, no_albedo_, no_height_, none_, even_sky_;
   float forward_share_ = 0.0f, wide_g_ = 0.0f, albedo_ = 1.0f;
   bool traced_ = true;  ///< false: octaves

@@ -22,11 +22,14 @@ CloudMarchPass::CloudMarchPass(gpu::Device& device, const Clouds& clouds, uint32
       shade_(device, {.name = "clouds.shade", .spirv = cloud_shade_comp, .constants = {spectral_groups}}),
       clear_(device, {.name = "clouds.clear", .spirv = cloud_clear_comp}) {}
 
-const gpu::ComputePipeline& CloudMarchPass::march_pipeline(uint32_t phases) const {
-  gpu::ComputePipeline& pipeline = march_[phases - 1];
-  if (!pipeline)
-    pipeline = gpu::ComputePipeline(
-        device_, {.name = "clouds.march", .spirv = cloud_march_comp, .constants = clouds_.specialisation(phases)});
+const gpu::ComputePipeline& CloudMarchPass::march_pipeline(uint32_t phases, bool terrain) const {
+  gpu::ComputePipeline& pipeline = march_[phases - 1 + (terrain ? 2 : 0)];
+  if (!pipeline) {
+    std::vector<uint32_t> constants = clouds_.specialisation(phases);
+    constants.push_back(terrain ? 1 : 0);
+    pipeline =
+        gpu::ComputePipeline(device_, {.name = "clouds.march", .spirv = cloud_march_comp, .constants = constants});
+  }
   return pipeline;
 }
 
@@ -45,9 +48,11 @@ CloudMarchPass::Marched CloudMarchPass::add_march(FrameGraph& graph, const Frame
       .sample("grid_tex", light.grid)
       .sample("most_tex", light.most, Sampler::nearest_clamp)
       .sample("cells_tex", light.cells)
-      .sample("beam_tex", light.beam);
+      .sample("beam_tex", light.beam)
+      .sample("terrain_volume_tex", light.terrain_shadow)
+      .uniform("terrain_volume", light.terrain_map);
   bind_density(pass, density);
-  const gpu::ComputePipeline& pipeline = march_pipeline(clouds_.phases_at(frame.time_s));
+  const gpu::ComputePipeline& pipeline = march_pipeline(clouds_.phases_at(frame.time_s), light.terrain);
   pass.write("out_light", out.light)
       .write("out_info", out.info)
       .write("out_near", out.near)

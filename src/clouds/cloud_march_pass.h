@@ -48,11 +48,12 @@ class CloudMarchPass {
                     const CloudLight::Refs& light) const;
 
  private:
-  const gpu::ComputePipeline& march_pipeline(uint32_t phases) const;
+  const gpu::ComputePipeline& march_pipeline(uint32_t phases, bool terrain) const;
   gpu::Device& device_;
   const Clouds& clouds_;
   gpu::ComputePipeline shade_, clear_;
-  mutable std::array<gpu::ComputePipeline, 2> march_;  ///< by phases - 1, made when a frame needs it
+  /// By phases - 1, twice: without and with terrain's shade; made when a frame needs it.
+  mutable std::array<gpu::ComputePipeline, 4> march_;
 };
 
 }  // namespace nepho

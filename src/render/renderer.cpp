@@ -184,6 +184,9 @@ RenderResult Renderer::render(const RenderRequest& request) {
     CloudDensityRefs density;
     CloudShadowRefs shadow;
     CloudLight::Refs light;
+    const bool terrain_shades = scene_.terrain.shadows && p.terrain_shadow_map.update(p.terrain.heights(), frame);
+    const TerrainVolumeRefs terrain_air =
+        terrain_shades ? p.terrain_shadow_map.add_volume(graph, frame) : TerrainVolumeRefs{};
     if (p.clouds) {
       density = import_cloud_density(graph, frame, p.clouds->clouds);
       p.clouds->ground.update(p.terrain.heights(), p.terrain.imagery(), p.clouds->light.region(frame));
@@ -192,6 +195,8 @@ RenderResult Renderer::render(const RenderRequest& request) {
                                   {.depth_m = out.terrain.depth_m,
                                    .density = density,
                                    .atmosphere = &atmosphere,
+                                   .terrain_shadow = terrain_air.shadow,
+                                   .terrain_map = terrain_air.map,
                                    .ground = p.clouds->ground.map(),
                                    .ground_albedo = ground.albedo,
                                    .ground_height = ground.height_m});
@@ -203,12 +208,14 @@ RenderResult Renderer::render(const RenderRequest& request) {
         .atmosphere = atmosphere,
         .uniform = &p.atmosphere->uniform(),
         .shadow = shadow,
+        .terrain = terrain_air,
+        .terrain_top_m = terrain_shades ? p.terrain_shadow_map.shade_top_m(frame) : 0.0,
         .cloud_top_m = p.clouds ? static_cast<double>(p.clouds->clouds.constants().hull_high_m) : 0.0,
         .ground_m = p.terrain.ground_height_m(p.pose.at.lat_rad, p.pose.at.lon_rad),
         .ground_albedo = scene_.atmosphere.ground_albedo};
     background.shafts = p.shafts.add_constants(graph, frame, scene_.shafts, scene_.haze, air);
     background.haze_layers = static_cast<uint32_t>(drawn_haze(scene_.haze).size());
-    if (scene_.terrain.shadows && p.terrain_shadow_map.update(p.terrain.heights(), frame))
+    if (terrain_shades)
       background.sun_visibility = p.terrain_shadow.add(
           graph, frame, out.terrain, p.terrain_shadow_map.import_into(graph), background.sun_visibility);
     out.background = p.background.add(graph, frame, scene_.atmosphere, background);

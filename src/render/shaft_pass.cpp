@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/region_map.h"
 #include "gpu/commands.h"
 #include "render/froxel_apply.comp.h"
 #include "render/froxel_fill_haze.comp.h"
@@ -39,8 +40,21 @@ uint32_t block_side(const ShaftParams& params, const std::vector<HazeLayer>& haz
   return haze.empty() ? params.downscale : 1;
 }
 
-bool has_shade(const ShaftParams& params, ShaftMethod method, const ShaftPass::Air& air) {
-  return air.shadow.map && method != ShaftMethod::none && params.intensity > 0.0;
+/// Whose shade is drawn, and geodetic height that it does not reach.
+struct Shade {
+  bool clouds = false, terrain = false;
+  double top_m = kFarBelow_m;
+  explicit operator bool() const { return clouds || terrain; }
+};
+
+Shade shade_of(const ShaftParams& params, ShaftMethod method, const ShaftPass::Air& air) {
+  Shade shade;
+  if (method == ShaftMethod::none || params.intensity <= 0.0) return shade;
+  shade.clouds = static_cast<bool>(air.shadow.map);
+  shade.terrain = static_cast<bool>(air.terrain);
+  if (shade.clouds) shade.top_m = air.cloud_top_m;
+  if (shade.terrain) shade.top_m = std::max(shade.top_m, air.terrain_top_m);
+  return shade;
 }
 
 double haze_top_m(const HazeLayer& layer) {
@@ -48,6 +62,23 @@ double haze_top_m(const HazeLayer& layer) {
   return layer.top_m ? std::min(*layer.top_m, reach) : reach;
 }
 }  // namespace
+
+ShaftPass::ShaftPass(gpu::Device& device, uint32_t spectral_groups)
+    : device_(device),
+      spectral_groups_(spectral_groups),
+      no_terrain_(device.create_image(
+          {.name = "shafts.no_terrain", .extent = {1, 1}, .format = Format::rgba32f, .layers = 2})) {
+  const std::vector<std::byte> zeros(16);
+  const gpu::ImageUpload uploads[] = {{.image = &no_terrain_, .bytes = zeros, .layer = 0},
+                                      {.image = &no_terrain_, .bytes = zeros, .layer = 1}};
+  device.upload(uploads);
+}
+
+void ShaftPass::bind_terrain(FrameGraph& graph, FrameGraph::PassBuilder& pass, const TerrainVolumeRefs& terrain) const {
+  bind_terrain_volume(pass, terrain ? terrain
+                                    : TerrainVolumeRefs{graph.import(no_terrain_),
+                                                        graph.constants("shafts.no_terrain", shared::RegionMap{})});
+}
 
 ShaftMethod shaft_method(const ShaftParams& params, const std::string& quality) {
   const std::string name = resolved_shaft_method(params, quality);
@@ -90,28 +121,31 @@ void bind_froxels(FrameGraph::PassBuilder& pass, const FroxelRefs& refs) {
       .sample("froxel_transmittance", refs.transmittance);
 }
 
-const gpu::ComputePipeline& ShaftPass::pipeline(Kind kind, uint32_t haze_layers, uint32_t steps, uint32_t more) {
-  gpu::ComputePipeline& wanted = pipelines_[{kind, haze_layers, steps, more}];
+const gpu::ComputePipeline& ShaftPass::pipeline(Kind kind, uint32_t haze_layers, uint32_t steps, uint32_t more,
+                                                bool terrain) {
+  const uint32_t shaded = terrain ? 1 : 0;
+  gpu::ComputePipeline& wanted = pipelines_[{kind, haze_layers, steps, more, shaded}];
   if (!wanted) {
     const std::span<const uint32_t> spirv[] = {shaft_march_comp, screen_march_comp,      haze_march_comp,
                                                shaft_apply_comp, froxel_fill_shaft_comp, froxel_fill_haze_comp,
                                                froxel_apply_comp};
     const char* const names[] = {"shafts.march", "shafts.screen", "haze.march",   "shafts.apply",
                                  "froxels.fill", "froxels.fill",  "froxels.apply"};
-    wanted = gpu::ComputePipeline(device_, {.name = names[kind],
-                                            .spirv = spirv[kind],
-                                            .constants = {spectral_groups_, 0, 0, 0, 0, 0, haze_layers, steps, more}});
+    wanted = gpu::ComputePipeline(device_,
+                                  {.name = names[kind],
+                                   .spirv = spirv[kind],
+                                   .constants = {spectral_groups_, 0, 0, 0, 0, 0, haze_layers, steps, more, shaded}});
   }
   return wanted;
 }
 
 BufferRef ShaftPass::constants(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
-                               const std::vector<HazeLayer>& haze, bool shade, const Air& air) const {
+                               const std::vector<HazeLayer>& haze, double shade_top_m, const Air& air) const {
   const shared::PlanetView& planet = frame.constants.planet;
   // Scaled heights of a geodetic one differ over the globe: none is above this.
-  const double cloud_top_m = shade ? air.cloud_top_m * 1.0034 + 1.0 : kFarBelow_m;
+  const double top_m = shade_top_m > kFarBelow_m ? shade_top_m * 1.0034 + 1.0 : kFarBelow_m;
   return graph.constants("shafts", shared::ShaftData{.haze = make_haze_data(haze, planet, air.uniform->radius_m),
-                                                     .cloud_top_m = static_cast<float>(cloud_top_m),
+                                                     .shade_top_m = static_cast<float>(top_m),
                                                      .intensity = static_cast<float>(params.intensity),
                                                      .ground_m = shared::scaled_height_from_geodetic(
                                                          planet, planet.camera_q_m, static_cast<float>(air.ground_m)),
@@ -121,8 +155,8 @@ BufferRef ShaftPass::constants(FrameGraph& graph, const FrameInfo& frame, const 
 FroxelRefs ShaftPass::add_froxels(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
                                   const HazeParams& haze, ShaftMethod method, const Air& air, bool light) {
   const std::vector<HazeLayer> layers = drawn_haze(haze);
-  const bool shade = has_shade(params, method, air);
-  double top_m = shade ? air.cloud_top_m : 0.0;
+  const Shade shade = shade_of(params, method, air);
+  double top_m = std::max(shade.top_m, 0.0);
   for (const HazeLayer& layer : layers) top_m = std::max(top_m, haze_top_m(layer));
   // From above, the grid begins where something may be and reaches over the horizon.
   const double height_m = static_cast<double>(frame.constants.planet.camera_height_m);
@@ -146,14 +180,15 @@ FroxelRefs ShaftPass::add_froxels(FrameGraph& graph, const FrameInfo& frame, con
   out.transmittance = volume("froxels.transmittance", light);
   auto fill = graph.pass("froxels.fill");
   fill.uniform("frame", frame.buffer)
-      .uniform("shafts", constants(graph, frame, params, layers, shade, air))
+      .uniform("shafts", constants(graph, frame, params, layers, shade.top_m, air))
       .write("out_change", out.change)
       .write("out_light", out.light)
       .write("out_transmittance", out.transmittance);
   AtmosphereTables::bind(fill, air.atmosphere);
-  if (shade) bind_cloud_shadow(fill, air.shadow);
-  const gpu::ComputePipeline& filler =
-      pipeline(shade ? shadow_fill : haze_fill, static_cast<uint32_t>(layers.size()), 0, light ? 1 : 0);
+  if (shade.clouds) bind_cloud_shadow(fill, air.shadow);
+  bind_terrain(graph, fill, air.terrain);
+  const gpu::ComputePipeline& filler = pipeline(shade.clouds ? shadow_fill : haze_fill,
+                                                static_cast<uint32_t>(layers.size()), 0, light ? 1 : 0, shade.terrain);
   fill.record([&filler, grid = out.data](gpu::Commands& cmd) {
     cmd.bind(filler).push(grid).dispatch_threads(grid.size.x, grid.size.y);
   });
@@ -163,8 +198,8 @@ FroxelRefs ShaftPass::add_froxels(FrameGraph& graph, const FrameInfo& frame, con
 ShaftPass::Blocks ShaftPass::add_march(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
                                        const std::vector<HazeLayer>& haze, ShaftMethod method, const Air& air,
                                        const Inputs& in) {
-  const bool shade = has_shade(params, method, air);
-  const bool screen = shade && method == ShaftMethod::screen;
+  const Shade shade = shade_of(params, method, air);
+  const bool screen = shade.clouds && method == ShaftMethod::screen;
   const uint32_t side = block_side(params, haze);
   const Extent2D blocks{blocks_of(frame.extent.width, side), blocks_of(frame.extent.height, side)};
   const auto image = [&](const char* name) {
@@ -172,13 +207,14 @@ ShaftPass::Blocks ShaftPass::add_march(FrameGraph& graph, const FrameInfo& frame
   };
   const Blocks out{image("shafts.near"), image("shafts.far"), image("shafts.cloud_near"), image("shafts.cloud_far"),
                    image("shafts.depths")};
-  const Kind kind = screen ? screen_march : shade ? shadow_march : haze_march;
+  const Kind kind = screen ? screen_march : shade.clouds ? shadow_march : haze_march;
   const gpu::ComputePipeline& marcher =
-      pipeline(kind, static_cast<uint32_t>(haze.size()), screen && haze.empty() ? kScreenMarchSteps : params.steps,
-               screen ? params.steps : 0);
+      pipeline(kind, static_cast<uint32_t>(haze.size()),
+               screen && haze.empty() && !shade.terrain ? kScreenMarchSteps : params.steps, screen ? params.steps : 0,
+               shade.terrain);
   auto march = graph.pass(screen ? "shafts.screen" : shade ? "shafts.march" : "haze.march");
   march.uniform("frame", frame.buffer)
-      .uniform("shafts", constants(graph, frame, params, haze, shade, air))
+      .uniform("shafts", constants(graph, frame, params, haze, shade.top_m, air))
       .sample("depth_m", in.depth_m, Sampler::nearest_clamp)
       .sample("cloud_depths", in.cloud ? in.cloud_depths : in.depth_m, Sampler::nearest_clamp)
       .write("out_near", out.near)
@@ -189,8 +225,9 @@ ShaftPass::Blocks ShaftPass::add_march(FrameGraph& graph, const FrameInfo& frame
   AtmosphereTables::bind(march, air.atmosphere);
   if (screen)
     march.sample("cloud_radiance", in.cloud, Sampler::nearest_clamp);
-  else if (shade)
+  else if (shade.clouds)
     bind_cloud_shadow(march, air.shadow);
+  bind_terrain(graph, march, air.terrain);
   const shared::ShaftMarchPush push{side, in.cloud ? 1u : 0u,
                                     screen ? static_cast<float>(kGlowDepth * params.screen_glow) : 0.0f};
   march.record([&marcher, blocks, push](gpu::Commands& cmd) {
@@ -202,7 +239,7 @@ ShaftPass::Blocks ShaftPass::add_march(FrameGraph& graph, const FrameInfo& frame
 ShaftPass::Outputs ShaftPass::add(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
                                   const HazeParams& haze, ShaftMethod method, const Air& air, const Inputs& in) {
   const std::vector<HazeLayer> layers = drawn_haze(haze);
-  if (!has_shade(params, method, air) && layers.empty()) return {in.background, in.cloud};
+  if (!shade_of(params, method, air) && layers.empty()) return {in.background, in.cloud};
   const bool froxel = method == ShaftMethod::froxel && in.froxels.change;
   const Blocks blocks = froxel ? Blocks{} : add_march(graph, frame, params, layers, method, air, in);
   const ImageRef background = graph.create("background.air", {.extent = frame.extent, .format = Format::rgba32f});

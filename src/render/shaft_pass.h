@@ -10,6 +10,7 @@
 #include "gpu/pipeline.h"
 #include "render/shaft_shared.h"
 #include "scene/shaft_params.h"
+#include "terrain/terrain_volume.h"
 
 namespace nepho {
 
@@ -40,9 +41,11 @@ class ShaftPass {
   struct Air {
     AtmosphereTables::Refs atmosphere;
     const shared::AtmosphereUniform* uniform = nullptr;
-    CloudShadowRefs shadow;    ///< may be empty: no shade
-    double cloud_top_m = 0.0;  ///< geodetic height that no cloud reaches
-    double ground_m = 0.0;     ///< geodetic height of the ground around the camera
+    CloudShadowRefs shadow;          ///< may be empty: no shade of clouds
+    TerrainVolumeRefs terrain = {};  ///< may be empty: none of terrain
+    double terrain_top_m = 0.0;      ///< with it: geodetic height that its shadows do not reach
+    double cloud_top_m = 0.0;        ///< geodetic height that no cloud reaches
+    double ground_m = 0.0;           ///< geodetic height of the ground around the camera
     double ground_albedo = 0.1;
   };
   struct Inputs {
@@ -56,12 +59,12 @@ class ShaftPass {
   struct Outputs {
     ImageRef background, cloud;
   };
-  ShaftPass(gpu::Device& device, uint32_t spectral_groups) : device_(device), spectral_groups_(spectral_groups) {}
+  ShaftPass(gpu::Device& device, uint32_t spectral_groups);
 
   /// The uniform block `shafts` of shaders that know haze (render/haze_ground.glsl).
   BufferRef add_constants(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params, const HazeParams& haze,
                           const Air& air) const {
-    return constants(graph, frame, params, drawn_haze(haze), false, air);
+    return constants(graph, frame, params, drawn_haze(haze), kNoShade_m, air);
   }
   /// Fills the frustum grid; needs nothing of what the camera sees. `light`: luminance and transmittance as well.
   FroxelRefs add_froxels(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params, const HazeParams& haze,
@@ -71,6 +74,7 @@ class ShaftPass {
               ShaftMethod method, const Air& air, const Inputs& in);
 
  private:
+  static constexpr double kNoShade_m = -1e6;
   enum Kind : uint32_t { shadow_march, screen_march, haze_march, apply, shadow_fill, haze_fill, froxel_apply };
   /// Low-resolution images of what is to be changed.
   struct Blocks {
@@ -79,11 +83,14 @@ class ShaftPass {
   Blocks add_march(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
                    const std::vector<HazeLayer>& haze, ShaftMethod method, const Air& air, const Inputs& in);
   BufferRef constants(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
-                      const std::vector<HazeLayer>& haze, bool shade, const Air& air) const;
-  const gpu::ComputePipeline& pipeline(Kind kind, uint32_t haze_layers = 0, uint32_t steps = 0, uint32_t more = 0);
+                      const std::vector<HazeLayer>& haze, double shade_top_m, const Air& air) const;
+  const gpu::ComputePipeline& pipeline(Kind kind, uint32_t haze_layers = 0, uint32_t steps = 0, uint32_t more = 0,
+                                       bool terrain = false);
+  void bind_terrain(FrameGraph& graph, FrameGraph::PassBuilder& pass, const TerrainVolumeRefs& terrain) const;
   gpu::Device& device_;
   uint32_t spectral_groups_;
-  std::map<std::array<uint32_t, 4>, gpu::ComputePipeline> pipelines_;
+  std::map<std::array<uint32_t, 5>, gpu::ComputePipeline> pipelines_;
+  gpu::Image no_terrain_;
 };
 
 }  // namespace nepho

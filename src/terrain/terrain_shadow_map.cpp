@@ -6,7 +6,9 @@
 #include "base/error.h"
 #include "geo/frames.h"
 #include "geo/region_map.h"
+#include "gpu/commands.h"
 #include "terrain/ground_texels.h"
+#include "terrain/terrain_volume.comp.h"
 
 namespace nepho {
 
@@ -110,6 +112,7 @@ void TerrainShadowMap::update(const HeightSampler& heights, const shared::Region
   const auto [low, high] = std::minmax_element(all.begin(), all.end());
   constants_ = {.map = map, .highest_m = *high};
   lowest_m_ = *low;
+  volume_filled_ = false;
   heights_ = &heights;
 }
 
@@ -128,6 +131,39 @@ bool TerrainShadowMap::update(const HeightSampler& heights, const FrameInfo& fra
 TerrainShadowMap::Refs TerrainShadowMap::import_into(FrameGraph& graph) const {
   NEPHO_ASSERT(image_);
   return {graph.import(image_), graph.constants("terrain.shadow", constants_)};
+}
+
+double TerrainShadowMap::shade_top_m(const FrameInfo& frame) const {
+  const shared::FrameConstants& c = frame.constants;
+  // Light that comes from below the horizon leaves shadows that climb as the planet curves away under them.
+  const double below_rad =
+      std::max(std::asin(std::clamp(-static_cast<double>(glm::dot(c.camera_up, c.key_dir)), -1.0, 1.0)), 0.0);
+  return static_cast<double>(constants_.highest_m) +
+         0.5 * static_cast<double>(c.planet.a_m) * std::min(below_rad * below_rad, 0.01);
+}
+
+TerrainVolumeRefs TerrainShadowMap::add_volume(FrameGraph& graph, const FrameInfo& frame) {
+  NEPHO_ASSERT(image_);
+  const uint32_t levels = constants_.map.levels;
+  if (!volume_ || volume_.desc().layers != levels) {
+    volume_ = device_.create_image({.name = "terrain.volume",
+                                    .extent = {shared::kShadowTexels, shared::kShadowTexels},
+                                    .format = Format::rgba32f,
+                                    .layers = levels});
+    volume_filled_ = false;
+  }
+  const TerrainVolumeRefs refs{graph.import(volume_), graph.constants("terrain.volume_map", constants_.map)};
+  if (volume_filled_ && volume_light_ == frame.constants.key_dir) return refs;
+  volume_filled_ = true;
+  volume_light_ = frame.constants.key_dir;
+  if (!bake_) bake_ = gpu::ComputePipeline(device_, {.name = "terrain.volume", .spirv = terrain_volume_comp});
+  auto bake = graph.pass("terrain.volume");
+  bake.uniform("frame", frame.buffer).write("out_volume", refs.shadow).effect();
+  bind_terrain_shadow(bake, import_into(graph));
+  bake.record([this, levels](gpu::Commands& cmd) {
+    cmd.bind(bake_).dispatch_threads(shared::kShadowTexels, shared::kShadowTexels, levels);
+  });
+  return refs;
 }
 
 void bind_terrain_shadow(FrameGraph::PassBuilder& pass, const TerrainShadowMap::Refs& refs) {

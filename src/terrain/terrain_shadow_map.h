@@ -4,8 +4,10 @@
 #include "gpu/device.h"
 #include "gpu/frame_graph.h"
 #include "gpu/frame_info.h"
+#include "gpu/pipeline.h"
 #include "terrain/height_sampler.h"
 #include "terrain/terrain_shadow_shared.h"
+#include "terrain/terrain_volume.h"
 
 namespace nepho {
 
@@ -28,6 +30,12 @@ class TerrainShadowMap {
     explicit operator bool() const { return static_cast<bool>(heights); }
   };
   Refs import_into(FrameGraph& graph) const;
+
+  /// How high shadows reach over every place of the map: shaders/terrain/terrain_volume.glsl. Made anew where the map
+  /// or the frame's key light is another than before.
+  TerrainVolumeRefs add_volume(FrameGraph& graph, const FrameInfo& frame);
+  /// Geodetic height that no shadow on this side of the planet's own reaches.
+  double shade_top_m(const FrameInfo& frame) const;
   const shared::TerrainShadowConstants& constants() const { return constants_; }
 
  private:
@@ -36,6 +44,10 @@ class TerrainShadowMap {
   gpu::Image image_;
   shared::TerrainShadowConstants constants_{};
   float lowest_m_ = 0.0f;
+  gpu::ComputePipeline bake_;
+  gpu::Image volume_;
+  bool volume_filled_ = false;
+  glm::vec3 volume_light_{0.0f};
 };
 
 /// Binds what terrain_shadow.glsl reads.

@@ -1,3 +1,5 @@
+#include <functional>
+
 #include "io/array_raster.h"
 #include "render/reference_scene.h"
 
@@ -26,6 +28,45 @@ TerrainSources wall() {
   return sources;
 }
 
+/// Seen along the wall from 4 km west of it, at a height above the ellipsoid; the sun is 6 degrees high behind the
+/// wall, whose shadow is some 680 m high there.
+Scene along_wall(double height_m, bool shadows) {
+  Scene scene;
+  scene.time = "2026-03-20T05:10:00Z";
+  scene.camera.lat_deg = -0.04;
+  scene.camera.lon_deg = kWallFrom_deg - 0.036;
+  scene.camera.height_m = height_m;
+  scene.camera.heading_deg = 0.0;
+  scene.camera.pitch_deg = 0.0;
+  scene.camera.fov_deg = 2.0;
+  scene.clouds.coverage = 0.0;
+  scene.atmosphere.spectral = "fast";
+  scene.atmosphere.scattering_orders = 2;
+  scene.night_sky.stars = false;
+  scene.terrain.default_earth = false;
+  scene.terrain.shadows = shadows;
+  scene.render.width = 16;
+  scene.render.height = 4;
+  return scene;
+}
+
+/// Mean of a channel over the picture: with shadows of terrain per without.
+double share_left(GpuFixture& gpu, double height_m, const char* name, const std::function<void(Scene&)>& change) {
+  double sums[2];
+  for (const bool shadows : {false, true}) {
+    Scene scene = along_wall(height_m, shadows);
+    change(scene);
+    Renderer renderer(gpu.device, wall(), scene);
+    RenderRequest request;
+    request.display = false;
+    const ImageBuffer layers = std::move(renderer.render(request).layers);
+    double& sum = sums[shadows ? 1 : 0] = 0.0;
+    for (const float value : channel(layers, name)) sum += static_cast<double>(value);
+  }
+  REQUIRE(sums[0] > 0.0);
+  return sums[1] / sums[0];
+}
+
 ImageBuffer picture_of(GpuFixture& gpu, bool shadows) {
   Scene scene;
   scene.time = "2026-03-20T05:10:00Z";  // the sun in the east, 6 degrees high
@@ -39,6 +80,7 @@ ImageBuffer picture_of(GpuFixture& gpu, bool shadows) {
   scene.atmosphere.scattering_orders = 2;
   scene.terrain.default_earth = false;
   scene.terrain.shadows = shadows;
+  scene.shafts.method = "none";  // air is another test's
   scene.render.width = 96;
   scene.render.height = 8;
   Renderer renderer(gpu.device, wall(), scene);
@@ -74,6 +116,53 @@ TEST_CASE(
   CHECK(dark > share.size() / 4);
   CHECK(bright > share.size() / 4);
   CHECK(partly > 0);
+}
+
+TEST_CASE("gpu: haze behind a wall is dark below its shadow's edge and lit above it, by each method of shafts") {
+  GpuFixture gpu;
+  for (const std::string method : {"shadow-length", "froxel"}) {
+    CAPTURE(method);
+    const auto hazy = [&](Scene& scene) {
+      scene.haze.layers = {{.extinction_per_m = 4e-4, .base_m = 1500.0, .scale_height_m = 20.0, .phase_g = 0.5}};
+      scene.shafts.method = method;
+    };
+    const double below = share_left(gpu, 350.0, "G", hazy), above = share_left(gpu, 1000.0, "G", hazy);
+    MESSAGE(method, ": light left below ", below, ", above ", above);
+    CHECK(below < 0.75);
+    CHECK(above > 0.97);
+    CHECK(above < 1.005);
+  }
+}
+
+TEST_CASE(
+    "gpu: air alone sends less light where a wall shades it, and clear air without terrain's shadows is untouched") {
+  GpuFixture gpu;
+  const auto method = [](const char* name) { return [name](Scene& scene) { scene.shafts.method = name; }; };
+  CHECK(share_left(gpu, 350.0, "G", method("shadow-length")) < 0.99);
+  CHECK(share_left(gpu, 350.0, "G", method("none")) == 1.0);
+}
+
+TEST_CASE("gpu: cloud behind a wall gets no sunlight below its shadow's edge and all of it above, octaves and cells") {
+  GpuFixture gpu;
+  for (const std::string quality : {"low", "medium"}) {
+    CAPTURE(quality);
+    const auto cloudy = [&](Scene& scene, double base_m) {
+      CloudLayer layer;
+      layer.base_m = base_m;
+      layer.thickness_m = 150.0;
+      scene.clouds.coverage = 1.0;
+      scene.clouds.layers = {layer};
+      scene.clouds.uniform_density = 0.5;
+      scene.render.quality = quality;
+      scene.shafts.method = "none";
+    };
+    const double below = share_left(gpu, 300.0, "cloud.G", [&](Scene& scene) { cloudy(scene, 250.0); });
+    const double above = share_left(gpu, 1000.0, "cloud.G", [&](Scene& scene) { cloudy(scene, 950.0); });
+    MESSAGE(quality, ": light left below ", below, ", above ", above);
+    CHECK(below < 0.72);  // the sky's light stays
+    CHECK(above > 0.95);
+    CHECK(above < 1.02);
+  }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "gpu/pipeline.h"
 #include "terrain/terrain_shadow_map.h"
 #include "terrain/test_terrain_shadow.comp.h"
+#include "terrain/test_terrain_volume.comp.h"
 #include "terrain_fixture.h"
 
 using namespace nepho;
@@ -17,11 +18,13 @@ namespace {
 constexpr double kA = 6378137.0;       // the equator's radius
 constexpr double kDisc_rad = 0.00465;  // radius of the sun's disc
 constexpr double kWall_m = 1000.0;
+constexpr double kWallThick_deg = 0.045;
 constexpr double kWallFrom_deg = 20.1;  // its western face; it stands on the equator, the sun is in the east
 
 struct Rig {
   GpuFixture gpu;
   gpu::ComputePipeline pipeline{gpu.device, {.name = "test.terrain_shadow", .spirv = test_terrain_shadow_comp}};
+  gpu::ComputePipeline volume_pipeline{gpu.device, {.name = "test.terrain_volume", .spirv = test_terrain_volume_comp}};
   TerrainShadowMap map{gpu.device};
   FrameInfo frame;
 
@@ -35,17 +38,23 @@ struct Rig {
     frame.constants.sun_angular_radius_rad = static_cast<float>(kDisc_rad);
   }
 
-  std::vector<double> shares(const std::vector<Geodetic>& places) {
+  /// `by_map`: by the map of shadow heights, for the air; else by the march.
+  std::vector<double> shares(const std::vector<Geodetic>& places, bool by_map = false) {
     std::vector<vec4> points;
     for (const Geodetic& p : places) points.push_back(vec4(vec3(ecef_from_geodetic(p) - frame.camera_ecef_m), 0.0f));
     FrameGraph graph;
     const BufferRef out = graph.create_buffer("shares", points.size() * sizeof(float));
+    frame.buffer = graph.constants("frame", frame.constants);
+    const TerrainVolumeRefs volume = by_map ? map.add_volume(graph, frame) : TerrainVolumeRefs{};
     auto pass = graph.pass("test.terrain_shadow");
-    pass.uniform("frame", graph.constants("frame", frame.constants))
-        .read("points", graph.constants("points", points))
-        .write("shares", out);
-    bind_terrain_shadow(pass, map.import_into(graph));
-    pass.record([&](gpu::Commands& cmd) { cmd.bind(pipeline).dispatch_threads(static_cast<uint32_t>(points.size())); });
+    pass.uniform("frame", frame.buffer).read("points", graph.constants("points", points)).write("shares", out);
+    if (by_map)
+      bind_terrain_volume(pass, volume);
+    else
+      bind_terrain_shadow(pass, map.import_into(graph));
+    pass.record([&](gpu::Commands& cmd) {
+      cmd.bind(by_map ? volume_pipeline : pipeline).dispatch_threads(static_cast<uint32_t>(points.size()));
+    });
     graph.keep(out);
     gpu.executor.run(graph);
     const std::vector<float> read = gpu.executor.read<float>(out);
@@ -57,7 +66,7 @@ struct Rig {
 std::shared_ptr<ArrayRaster> wall() {
   return raster_of(
       2000, 100, {.west_deg = 19.8, .south_deg = -0.1, .east_deg = 20.3, .north_deg = 0.1},
-      [](double, double lon) { return lon > kWallFrom_deg && lon < kWallFrom_deg + 0.045 ? kWall_m : 0.0; },
+      [](double, double lon) { return lon > kWallFrom_deg && lon < kWallFrom_deg + kWallThick_deg ? kWall_m : 0.0; },
       VerticalDatum::ellipsoid);
 }
 
@@ -138,6 +147,98 @@ TEST_CASE("gpu: above the ground a shadow is as high as the line from the light 
   }
   const double texel_m = texel_at(rig.map.constants().map, 8.1e3);
   CHECK(std::abs(crossing(h, rig.shares(places), 0.5) - top_m) < texel_m * std::tan(e) + 0.5);
+}
+
+TEST_CASE(
+    "gpu: the map of shadow heights has a wall's shadow in the air where the round Earth puts it, and the disc's "
+    "penumbra") {
+  Rig rig;
+  const HeightSampler heights({wall()}, false, nullptr);
+  for (const double elevation_deg : {-0.3, 0.5, 1.5, 4.0})
+    for (const double away_m : {4e3, 8e3, 25e3}) {
+      CAPTURE(elevation_deg);
+      CAPTURE(away_m);
+      const double e = rad_from_deg(elevation_deg), angle = away_m / kA;
+      const double lon_deg = kWallFrom_deg - deg_from_rad(angle);
+      rig.look(lon_deg, e);
+      rig.map.update(heights, make_region_map(rig.frame.camera_ecef_m, 2e3, 6));
+      // (a + H) cos(angle + e) = (a + h) cos(e), for the light's centre and edges; by the wall's far edge where the
+      // light comes from below.
+      const double edge = e + angle < 0.0 ? angle + rad_from_deg(kWallThick_deg) : angle;
+      const auto height = [&](double radii) {
+        const double lower = e + radii * kDisc_rad;
+        return (kA + kWall_m) * std::cos(edge + lower) / std::cos(lower) - kA;
+      };
+      if (height(1.0) < 20.0) continue;  // it has ended before
+      std::vector<double> h;
+      std::vector<Geodetic> places;
+      for (double m = 2.0; m < height(-1.0) + 200.0; m += 1.0) {
+        h.push_back(m);
+        places.push_back(Geodetic::from_degrees(0.0, lon_deg, m));
+      }
+      const std::vector<double> shares = rig.shares(places, true);
+      const double texel_m = texel_at(rig.map.constants().map, 1.02 * kA * edge);
+      const double tolerance_m = texel_m * std::tan(std::abs(e) + edge) + 1.0;
+      CHECK(std::abs(crossing(h, shares, 0.5) - height(0.0)) < tolerance_m);
+      const double third = static_cast<double>(shared::disc_share(-0.5f)),
+                   most = static_cast<double>(shared::disc_share(0.5f));
+      CHECK(crossing(h, shares, most) - crossing(h, shares, third) ==
+            doctest::Approx(height(-0.5) - height(0.5)).epsilon(0.05).scale(1.0));
+      CHECK(shares.front() == (height(1.0) > 30.0 ? doctest::Approx(0.0) : doctest::Approx(0.0).epsilon(0.2)));
+      CHECK(shares.back() == 1.0);
+    }
+}
+
+TEST_CASE("gpu: in the air over hills the map of shadow heights says what the march says") {
+  Rig rig;
+  // Ridges across the light, 400 to 1200 m high, with gaps.
+  const auto hills = raster_of(
+      1500, 600, {.west_deg = 19.8, .south_deg = -0.1, .east_deg = 20.3, .north_deg = 0.1},
+      [](double lat, double lon) {
+        return 800.0 + 300.0 * std::sin(lon * 400.0) * std::cos(lat * 300.0) + 100.0 * std::sin(lat * 900.0);
+      },
+      VerticalDatum::ellipsoid);
+  const HeightSampler heights({hills}, false, nullptr);
+  for (const double elevation_deg : {1.0, 4.0, 12.0}) {
+    CAPTURE(elevation_deg);
+    rig.look(20.05, rad_from_deg(elevation_deg), 1500.0);
+    rig.map.update(heights, make_region_map(rig.frame.camera_ecef_m, 2e3, 6));
+    std::vector<Geodetic> places;
+    for (double lat = -0.05; lat < 0.05; lat += 0.003)
+      for (double lon = 19.95; lon < 20.15; lon += 0.004)
+        for (double h = 1230.0; h < 1600.0; h += 40.0) places.push_back(Geodetic::from_degrees(lat, lon, h));
+    for (double lat = -0.05; lat < 0.05; lat += 0.003)
+      for (double lon = 19.95; lon < 20.15; lon += 0.004)
+        for (double over_m = 30.0; over_m < 400.0; over_m += 40.0) {
+          const double ground_m = heights.height_m(rad_from_deg(lat), rad_from_deg(lon), 14);
+          places.push_back(Geodetic::from_degrees(lat, lon, ground_m + over_m));
+        }
+    const std::vector<double> by_march = rig.shares(places), by_map = rig.shares(places, true);
+    double off = 0.0, shaded = 0.0;
+    for (size_t i = 0; i < places.size(); ++i) {
+      off += std::abs(by_map[i] - by_march[i]);
+      shaded += 1.0 - by_march[i];
+    }
+    MESSAGE("mean difference ", off / static_cast<double>(places.size()), ", mean shade ",
+            shaded / static_cast<double>(places.size()));
+    REQUIRE(shaded > 0.02 * static_cast<double>(places.size()));
+    CHECK(off < 0.01 * static_cast<double>(places.size()));
+  }
+}
+
+TEST_CASE("gpu: smooth ground shades no air") {
+  Rig rig;
+  const HeightSampler heights({}, false, nullptr);
+  for (const double elevation_deg : {-0.5, 0.2, 0.5, 3.0, 45.0}) {
+    CAPTURE(elevation_deg);
+    rig.look(20.0, rad_from_deg(elevation_deg));
+    rig.map.update(heights, make_region_map(rig.frame.camera_ecef_m, 2e3, 8));
+    std::vector<Geodetic> places;
+    for (double away_m = 0.0; away_m < 2e5; away_m = away_m * 1.6 + 3.0)
+      for (const double height_m : {1.0, 30.0, 1e3, 9e3})
+        places.push_back(Geodetic::from_degrees(0.01, 20.0 + deg_from_rad(away_m / kA), height_m));
+    for (const double share : rig.shares(places, true)) CHECK(share >= 0.99);
+  }
 }
 
 TEST_CASE("gpu: smooth ground shades nothing, from a light 0.2 degrees above the horizon to one overhead") {
