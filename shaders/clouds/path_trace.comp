@@ -43,7 +43,7 @@ const float kShadowBelow = 0.25;    // the same of a shadow's transmittance
 const float kGuide = 0.3;           // chance of a scattering to send a second path out towards the key light
 const float kGuideWidth = 0.8;      // asymmetry of the lobe that it is drawn from
 const float kNarrow = 0.9;          // droplets' forward lobes narrower than this are that lobe themselves
-const float kGuideSecond = 0.1;     // then: chance of a scattering of the second path to be offered a way towards the light
+const float kGuideSecond = 1.0;     // then: chance of a scattering of the second path to be offered a way towards the light
 const float kGuideValue = 0.2;      // of its choice: how much a way towards the light is worth, over isotropic scattering there
 const float kShadowOf = 0.2;       // of the light, 1/sr: vertices that would send less are gambled up to it
 const float kLeastShadows = 0.1;
@@ -382,10 +382,12 @@ void main() {
               wait_dir = towards;
               wait_weight = weight * share2;
             } else {
-              // No third path: one of the two goes on for both, by what they may bring.
+              // No third path: one of the two goes on for both, by what they may bring; the drawn one at least half of the times, so
+              // that its weight no more than doubles.
               float a = guide_share * (1.0 + kGuideValue * 4.0 * kPi * density), b = share2 * (1.0 + kGuideValue * 4.0 * kPi * density2);
-              bool turn = random_unit(random) * (a + b) < b;
-              guide_share = turn ? share2 * ((a + b) / b) : guide_share * ((a + b) / a);
+              float share = min(b / (a + b), 0.5);
+              bool turn = random_unit(random) < share;
+              guide_share = turn ? share2 / share : guide_share / (1.0 - share);
               if (turn) next_dir = towards;
             }
           }
