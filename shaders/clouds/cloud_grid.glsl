@@ -33,8 +33,9 @@ struct GridPlace {
 GridPlace grid_place(CloudGrid grid, int band, Place here) {
   GridPlace at;
   at.xy = region_xy(grid.map, here.dir);
-  float widest = max(abs(at.xy.x), abs(at.xy.y)) * (1.0 / (1.0 - 2.0 * (kMostVoxels + 1.0) / float(grid.texels)));
-  at.level = max(floor(log2(max(widest / grid.map.half_m, 0.5))) + 1.0, 0.0);
+  float inner = 1.0 - 2.0 * (kMostVoxels + 1.0) / float(grid.texels);
+  vec2 half_m = max(at.xy / (inner + grid.shift), -at.xy / (inner - grid.shift));  // that a level needs
+  at.level = max(floor(log2(max(max(half_m.x, half_m.y) / grid.map.half_m, 0.5))) + 1.0, 0.0);
   float low = grid.band_low_m[band], high = grid.band_high_m[band], slices = grid.band_slices[band];
   at.z = clamp((here.height_m - low) / (high - low) * slices, 0.5, slices - 0.5) + grid.band_first[band];
   return at;
@@ -43,7 +44,7 @@ GridPlace grid_place(CloudGrid grid, int band, Place here) {
 // The texel's four; 0 beyond the last map.
 vec4 grid_read_at(CloudGrid grid, GridPlace at) {
   float levels = float(grid.map.levels);
-  vec3 uvw = vec3(at.xy * (0.5 * exp2(-at.level) / grid.map.half_m) + 0.5, (min(at.level, levels - 1.0) * float(grid.slices) + at.z) / (levels * float(grid.slices)));
+  vec3 uvw = vec3(at.xy * (0.5 * exp2(-at.level) / grid.map.half_m) - 0.5 * grid.shift + 0.5, (min(at.level, levels - 1.0) * float(grid.slices) + at.z) / (levels * float(grid.slices)));
   return at.level < levels ? textureLod(grid_tex, uvw, 0.0) : vec4(0.0);
 }
 
@@ -56,7 +57,7 @@ float grid_most(CloudGrid grid, int band, Place here, float climb, inout float r
   if (at.level >= float(grid.map.levels)) return 0.0;
   float voxel_m = 2.0 * grid.map.half_m / float(grid.texels) * exp2(at.level);
   float slice_m = (grid.band_high_m[band] - grid.band_low_m[band]) / grid.band_slices[band];
-  ivec3 cell = ivec3((at.xy / voxel_m + 0.5 * float(grid.texels)) * 0.5, (at.level * float(grid.slices) + at.z) * 0.5);
+  ivec3 cell = ivec3((at.xy / voxel_m + 0.5 * float(grid.texels) * (1.0 - grid.shift)) * 0.5, (at.level * float(grid.slices) + at.z) * 0.5);
   reach = min(reach, kMostVoxels * min(voxel_m * inversesqrt(max(1.0 - climb * climb, 1.0e-4)), slice_m / max(abs(climb), 1.0e-3)));
   return texelFetch(most_tex, cell, 0).r;
 }

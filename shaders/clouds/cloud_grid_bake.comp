@@ -21,9 +21,9 @@ void main() {
   int first = int(push.level * grid.slices);
   float half_m = region_half_m(grid.map, push.level);
   float texel_m = 2.0 * half_m / float(grid.texels);
-  vec2 xy = (vec2(at) + 0.5) * texel_m - half_m;
-  int quarter = int(grid.texels) / 4;
-  bool inner = push.level > 0u && all(greaterThanEqual(at, ivec2(quarter))) && all(lessThan(at, ivec2(3 * quarter)));
+  vec2 xy = (vec2(at) + 0.5) * texel_m - half_m * (1.0 - grid.shift);
+  ivec2 quarter = ivec2(0.25 * float(grid.texels) * (1.0 - grid.shift) + 0.5);  // where the finer level begins
+  bool inner = push.level > 0u && all(greaterThanEqual(at, quarter)) && all(lessThan(at, quarter + int(grid.texels) / 2));
   vec3 dir = region_direction(grid.map, xy);
   // Far outside of what the camera sees nothing matters: light comes from around what is seen.
   FrameConstants f = frame.frame_data;

@@ -11,8 +11,9 @@ layout(set = 0, binding = 4) uniform sampler3D most_tex;
 layout(scalar, set = 0, binding = 2) uniform LightBlock { CloudLightConstants data; } light;
 layout(set = 0, binding = 3, rgba16f) uniform writeonly image3D out_grid;
 
-const int kSteps = 64;
-const float kGrowth = 0.06;
+const int kSteps = 72;
+const float kFirstStep = 0.35;  // voxels
+const float kGrowth = 0.07;
 
 void main() {
   ivec3 at = ivec3(gl_GlobalInvocationID);
@@ -25,9 +26,9 @@ void main() {
   if (band < 0) return;
   float half_m = region_half_m(grid.map, uint(level));
   float texel_m = 2.0 * half_m / float(grid.texels);
-  vec2 xy = (vec2(at.xy) + 0.5) * texel_m - half_m;
+  vec2 xy = (vec2(at.xy) + 0.5) * texel_m - half_m * (1.0 - grid.shift);
   // Nobody asks where a finer level is read, nor where nothing is around.
-  bool wanted = level == 0 || max(abs(xy.x), abs(xy.y)) > 0.5 * half_m * (1.0 - 12.0 / float(grid.texels));
+  bool wanted = level == 0 || any(greaterThan(abs(xy - 0.5 * half_m * grid.shift), vec2(0.5 * half_m * (1.0 - 12.0 / float(grid.texels)))));
   if (wanted) wanted = texelFetch(most_tex, at / 2, 0).r > 0.0;
   vec3 sun = frame.frame_data.key_dir;
   float low_m = grid.band_low_m[band], slice_m = (grid.band_high_m[band] - low_m) / grid.band_slices[band];
@@ -35,8 +36,8 @@ void main() {
   vec3 p = point_at(CLOUD_PLANET, dir, low_m + (float(slice) - grid.band_first[band] + 0.5) * slice_m);
   Flight f = flight_from(p, sun);
   float climb0 = abs(dot(place_on(f).up, sun));
-  // A voxel's length along the ray.
-  float step_m = 0.7 * min(texel_m / max(sqrt(1.0 - climb0 * climb0), 0.05), slice_m / max(climb0, 0.02));
+  // A part of a voxel's length along the ray.
+  float step_m = kFirstStep * min(texel_m / max(sqrt(1.0 - climb0 * climb0), 0.05), slice_m / max(climb0, 0.02));
   vec3 here_medium = texelFetch(grid_tex, at, 0).rgb;
   vec2 tau = vec2(0.0), sigma0 = here_medium.rg;
   for (int i = 0; i < kSteps && wanted; ++i) {

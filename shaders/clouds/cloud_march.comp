@@ -13,6 +13,8 @@ layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_d
 #include "clouds/depth_split.h"
 layout(constant_id = 5) const bool OCTAVES = false;  // multiple scattering by octave_sum() instead of traced light
 layout(constant_id = 6) const bool CONE = false;     // looks at the sun within a cone
+layout(constant_id = 8) const bool FINE = false;     // half as long steps
+layout(constant_id = 9) const int RAYS = 1;          // through each pixel: 1 or 4
 layout(set = 0, binding = 24) uniform sampler3D grid_tex;
 layout(set = 0, binding = 28) uniform sampler3D most_tex;
 layout(set = 0, binding = 25) uniform sampler3D cells_tex;  // of light_gather.comp
@@ -31,12 +33,13 @@ layout(set = 0, binding = 23) uniform sampler2DArray cloud_blue;
 layout(set = 0, binding = 29, rgba32f) uniform writeonly image2D out_near;   // of the nearer of two depths: shares of the lights, opacity
 layout(set = 0, binding = 30, rg32f) uniform writeonly image2D out_depths;   // the two, m; equal where one does (depth_split.h)
 
-const int kMaxSteps = 256;
+const float kStepShare = FINE ? 0.01 : 0.02;  // of the distance, of a step
+const int kMaxSteps = FINE ? 512 : 256;
 const int kSearchSteps = 6, kMarchSteps = 8;  // of one kind before the other has its turn
 const int kModeSearch = 0, kModeAhead = 1, kModeMarch = 2;
 const int kPlaces = 8;              // readings of the weather map along a ray
-const int kMaxLights = 4;           // points of a ray that look for the sun
-const float kLightShare = 0.32;     // about how much of what the ray sees each stands for
+const int kMaxLights = FINE ? 8 : 4;              // points of a ray that look for the sun
+const float kLightShare = FINE ? 0.15 : 0.32;     // about how much of what the ray sees each stands for
 const float kOneDepth = 0.02;       // of the depth: two that are closer than this are one
 const float kOpaque = 1.0e-3;       // transmittance at which nothing behind matters
 const float kDeepest = 8.0;         // optical depth at which the wide lobes are used up too
@@ -108,18 +111,21 @@ void main() {
   ivec2 pixel = ivec2(gl_WorkGroupID.xy * 8u + uvec2((lane & 3u) | ((lane >> 1) & 4u), ((lane >> 2) & 1u) | ((lane >> 3) & 6u)));
   if (any(greaterThanEqual(pixel, ivec2(frame.frame_data.size)))) return;
   PlanetView planet = CLOUD_PLANET;
-  vec3 dir = pixel_direction(frame.frame_data, vec2(pixel) + 0.5);
   vec3 sun = frame.frame_data.key_dir;
 
   vec2 span, gap;
   float entry_f_m2;
-  float transmittance = 1.0, depth_sum = 0.0, weight_sum = 0.0, tau = 0.0;
+  float passed = 0.0, depth_sum = 0.0, weight_sum = 0.0, tau_sum = 0.0;  // sums over the rays
   vec4 layer_weight = vec4(0.0);
   vec3 light = vec3(0.0);  // share of sun illuminance, of sky illuminance, of ground exitance (1/sr)
   vec3 light_x = vec3(0.0);  // the same times split_place()
   vec4 split_sums = vec4(0.0);
   float first_m = 0.0;       // distance of the first cloud
-  int steps = 0, samples = 0;  // samples: evaluations of a layer's density, for eye and sun
+  int all_steps = 0, samples = 0;  // samples: evaluations of a layer's density, for eye and sun
+  for (int ray = 0; ray < RAYS; ++ray) {
+  vec3 dir = pixel_direction(frame.frame_data, vec2(pixel) + (RAYS == 1 ? vec2(0.5) : 0.25 + 0.5 * vec2(ray & 1, ray >> 1)));
+  float transmittance = 1.0, tau = 0.0;
+  int steps = 0;
   if (hull_span(dir, imageLoad(depth_m, pixel).r, span, gap, entry_f_m2)) {
     float cos_sun = dot(dir, sun);
     float albedo = CLOUD.single_scattering_albedo;
@@ -134,10 +140,16 @@ void main() {
     vec3 scaled_dir = scaled_from_cam(planet, dir);
     vec3 entry_q = planet.camera_q_m + scaled_dir * span.x;
     float f_slope = 2.0 * dot(entry_q, scaled_dir), f_bend = dot(scaled_dir, scaled_dir);
-    float pixel_angle = frame.frame_data.pixel_angle_rad;
+    float pixel_angle = frame.frame_data.pixel_angle_rad * (RAYS == 1 ? 1.0 : 0.5);
     float coarse = smoothstep(80.0, 500.0, pixel_angle * span.x);
-    float crossings = CLOUD.uniform_density > 0.0 ? 160.0 : mix(24.0, 12.0, coarse);  // steps through a layer, at least
+    // Steps through a layer, at least; the shortest.
+    float crossings = mix(24.0, 12.0, coarse), least_m = 2.0;
+    if (CLOUD.uniform_density > 0.0) {
+      crossings = max(160.0, 8.0 * CLOUD.uniform_density * CLOUD.layers[0].extinction_per_m * CLOUD.layers[0].thickness_m);
+      least_m = 0.25;
+    }
     float blue = texelFetch(cloud_blue, ivec3(pixel & 63, int(frame.frame_data.frame_index & 15u)), 0).r;
+    if (RAYS > 1) blue = fract(blue + 0.25 * float(ray));
     blue = fract(blue + 0.618034 * float((frame.frame_data.seed + frame.frame_data.frame_index / 16u) & 1023u));
     float jitter = mix(mix(0.8, 1.0, blue), 0.9, coarse);  // of every step; from far away the field is smooth: no noise wanted
     float s = 0.0, end = span.y - span.x;         // along the ray from its entry: exact from any distance
@@ -163,7 +175,7 @@ void main() {
     vec4 pending = vec4(0.0);
     float pending_seen = 0.0, last_seen = 0.0;
     int lights = 0;
-    float light_share = mix(kLightShare, 0.45, coarse);
+    float light_share = mix(kLightShare, FINE ? 0.2 : 0.45, coarse);
     float wide = 0.0;  // OCTAVES: optical depth so far as light of the sky knows it
     float cap = 1.0e9, shortest = 36.0;  // of the layer at hand: a share of the way through it, its shortest step
     float column_m = kColumn_m;
@@ -202,7 +214,7 @@ void main() {
           last_s = -1.0;
         }
         float t = span.x + s;
-        float fine = min(max(t * 0.02, shortest), max(cap, 2.0));
+        float fine = min(max(t * kStepShare, shortest), max(cap, least_m));
         float at_s = mode == kModeSearch ? s : far_s;
         float at = span.x + at_s;
         vec3 q = entry_q + scaled_dir * at_s;
@@ -291,7 +303,7 @@ void main() {
       for (int n = 0; n < kMarchSteps && mode == kModeMarch; ++n) {
         ++steps;
         float t = span.x + s;
-        float fine = min(max(t * 0.02, shortest), max(cap, 2.0));
+        float fine = min(max(t * kStepShare, shortest), max(cap, least_m));
         float at_s = s, at = t;
         vec3 q = entry_q + scaled_dir * at_s;
         vec3 sq = vec3(q.xy, q.z * planet.a_over_b);
@@ -384,7 +396,8 @@ void main() {
           // The last stretch ends at the depth where the march does.
           float d_tau = min(sigma * length_m, kDeepest - tau + 1.0e-3);
           float inner_m = length_m * (1.0 - enter);
-          at = t - inner_m + min(0.5 * inner_m, inner_m / max(d_tau, 1.0e-3));  // where most of what it sends is from
+          // Where light fades towards the sun as fast as towards the eye, it is on the stretch's average what it is here.
+          at = t - inner_m + inner_m * (d_tau > 0.01 ? -log(0.5 + 0.5 * exp(-d_tau)) / d_tau : 0.5);
           float w = transmittance * (1.0 - exp(-d_tau));
           if (weight_sum == 0.0) first_m = at;
           float x = split_place(at, first_m);
@@ -485,6 +498,13 @@ void main() {
     }
     if (transmittance < kOpaque) transmittance = 0.0;
   }
+  passed += transmittance;
+  tau_sum += tau;
+  all_steps += steps;
+  }
+  float transmittance = passed / float(RAYS);
+  light /= float(RAYS);
+  light_x /= float(RAYS);
 
   float mean_m = weight_sum > 0.0 ? depth_sum / weight_sum : kFarDepth_m;
   float dominant = 0.0, most = 0.0;
@@ -508,5 +528,5 @@ void main() {
   imageStore(out_light, pixel, vec4(light, transmittance));
   imageStore(out_near, pixel, near);
   imageStore(out_depths, pixel, vec4(depths, 0.0, 0.0));
-  imageStore(out_info, pixel, vec4(mean_m, tau, dominant, float(steps) + 1024.0 * float(samples)));
+  imageStore(out_info, pixel, vec4(mean_m, tau_sum / float(RAYS), dominant, float(all_steps) + 1024.0 * float(samples)));
 }

@@ -33,7 +33,7 @@ layout(constant_id = 0) const bool SURFACE = false;  // false: cells; true: what
 
 const int kMostTurns = 40000;
 const float kRouletteBelow = 0.3;
-const int kMostVertices = 192;    // what goes on for longer is lost in thick cloud
+const int kMostVertices = 1000;   // what goes on for longer is lost in thick cloud
 const float kWaterAlbedo = 0.06;  // of a sea, diffuse light, all angles (Jin et al. 2004)
 
 float ground_distance(Flight f) {
@@ -48,6 +48,18 @@ float sky_share(vec3 up, vec3 dir, vec3 sun) {
   vec3 a = dir - up * dot(up, dir), b = sun - up * dot(up, sun);
   float c = dot(a, b) * inversesqrt(max(dot(a, a) * dot(b, b), 1.0e-12));
   return textureLod(sky_tex, vec2(acos(clamp(c, -1.0, 1.0)) / kPi, sqrt(mu)), 0.0).r;
+}
+
+// Transmittance of the medium itself through clumps of mean optical depth `tau`, whose scaled medium (its extinction is `rest`
+// of theirs) lets `scaled` through: a share c of the way is barred by clumps of depth tau / c, found by halving.
+float clump_transmittance(float tau, float rest, float scaled) {
+  float low = 0.0, high = 1.0;
+  for (int i = 0; i < 10; ++i) {
+    float c = 0.5 * (low + high);
+    if (c * (1.0 - exp(-rest * tau / c)) < 1.0 - scaled) low = c;
+    else high = c;
+  }
+  return 1.0 - high * (1.0 - exp(-tau / high));
 }
 
 void main() {
@@ -165,10 +177,10 @@ void main() {
   sum /= float(max(path, 1u));
   if (SURFACE) {
     sum *= kPi;
-    // Light that went nearly straight on falls as if it came from the light itself.
+    // Light that went nearly straight on falls as if it came from the light itself; that which met nothing is the shadow maps'.
     vec2 tau = grid_sun_depth(grid, origin, sun);
-    float mu = max(dot(normal, sun), 0.0);
-    sum.x += mu * (exp(-rest * tau.y) - exp(-tau.x)) * terrain_air_share(origin);
+    float scaled = exp(-rest * tau.y);
+    sum.x += max(dot(normal, sun), 0.0) * max(scaled - clump_transmittance(tau.x, rest, scaled), 0.0) * terrain_air_share(origin);
     imageStore(out_ground, ivec2(node), vec4(sum, distance_m));
   } else {
     sum.x *= CLOUD.multiple_scattering_weight;

@@ -26,6 +26,7 @@ struct CloudGrid {
   uint bands;
   uint texels;       // along a side of a level; even
   uint slices;       // of a level; even
+  vec2 shift;        // of the middle of each level from that of the map, in halves of its side; multiples of 4 / texels
 };
 
 struct CloudLightConstants {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "clouds/beam_table.h"
@@ -19,17 +20,19 @@
 namespace nepho {
 namespace {
 
-constexpr uint32_t kSlices = 384;  ///< of cells along a ray
+constexpr float kGrowths = 5.76f;       ///< of cells along a ray, all together: the last ends some 500 km away
+constexpr float kShift = 0.9f;          ///< of maps ahead of the camera, in halves of their sides, at most
+constexpr float kLooksAhead_m = 15e3f;  ///< cameras higher up look at the middle of the maps (cloud_region())
 shared::LightCells cells_for(Extent2D extent, const CloudLight::Quality& quality) {
   const uint32_t longest = std::max(extent.width, extent.height);
   const double px = std::max(double{quality.node_px}, static_cast<double>(longest) / quality.most_nodes);
   shared::LightCells c{};
   c.nodes = {std::max(2u, static_cast<uint32_t>(std::lround(extent.width / px))),
              std::max(2u, static_cast<uint32_t>(std::lround(extent.height / px)))};
-  c.slices = kSlices;
+  c.slices = quality.slices;
   c.paths = quality.paths;
-  c.first_m = 25.0f;
-  c.growth = 0.015f;
+  c.first_m = quality.first_m;
+  c.growth = kGrowths / static_cast<float>(c.slices);
   c.log2_ratio = std::log2(1.0f + c.growth);
   c.stride_px = std::max(1u, static_cast<uint32_t>(px / 2.0));
   return c;
@@ -52,8 +55,15 @@ shared::CloudGrid grid_places(const Clouds& clouds, const shared::RegionMap& map
 }  // namespace
 
 CloudLight::Quality CloudLight::quality_of(const std::string& preset) {
-  if (preset == "ultra") return {.paths = 48, .node_px = 2, .most_nodes = 160, .grid_texels = 256, .grid_slices = 64};
-  if (preset == "medium") return {.paths = 6, .node_px = 8, .most_nodes = 40, .grid_texels = 96, .grid_slices = 24};
+  if (preset == "ultra") return {.paths = 48, .node_px = 2, .most_nodes = 160, .grid_texels = 256, .grid_slices = 96};
+  if (preset == "medium")
+    return {.paths = 6,
+            .node_px = 8,
+            .most_nodes = 32,
+            .grid_texels = 96,
+            .grid_slices = 24,
+            .slices = 192,
+            .first_m = 50.0f};
   return {};
 }
 
@@ -99,7 +109,7 @@ void CloudLight::renew(const CloudParams& params) {
   const double extinction_per_m = params.scattering_per_m + params.absorption_per_m;
   albedo_ = extinction_per_m > 0.0 ? static_cast<float>(params.scattering_per_m / extinction_per_m) : 1.0f;
   const DropletPhase phase = droplet_phase(params);
-  const PhaseCut cut = cut_phase(phase.moment(1), phase.moment(3));
+  const PhaseCut cut = cut_phase(phase.moment(1), phase.moment(4));
   forward_share_ = static_cast<float>(cut.forward_share);
   wide_g_ = static_cast<float>(cut.wide_g);
   const std::vector<float> table =
@@ -109,14 +119,13 @@ void CloudLight::renew(const CloudParams& params) {
 }
 
 shared::RegionMap CloudLight::region(const FrameInfo& frame) const {
-  constexpr float kHalf_m = 4e3f;    // of the finest map
-  constexpr float kHalf_px = 32.0f;  // and no finer than that many pixels far away
+  constexpr float kHalf_px = 32.0f;  // no finer maps than that many pixels far away
   double top_m = 0.0;
   for (const Clouds::HeightRange& r : clouds_.layer_ranges()) top_m = std::max(top_m, r.high_m);
   shared::RegionMap map = cloud_region(frame.constants, frame.camera_ecef_m, top_m);
   const float reach_m = map.half_m * std::exp2(static_cast<float>(map.levels - 1));
   const float above_m = std::max(frame.constants.planet.camera_height_m - static_cast<float>(top_m), 0.0f);
-  map.half_m = std::max(kHalf_m, kHalf_px * frame.constants.pixel_angle_rad * above_m);
+  map.half_m = std::max(quality_.finest_half_m, kHalf_px * frame.constants.pixel_angle_rad * above_m);
   // Two levels at least: they are layers of an array.
   map.levels =
       std::clamp(1u + static_cast<uint32_t>(std::ceil(std::log2(std::max(reach_m / map.half_m, 1.0f)))), 2u, 12u);
@@ -172,6 +181,15 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
   const shared::RegionMap map = region(frame);
   shared::CloudLightConstants constants{};
   constants.grid = grid_places(clouds_, map, quality_);
+  // Maps lie ahead of a camera that looks along the ground.
+  if (frame.constants.planet.camera_height_m < kLooksAhead_m) {
+    const glm::vec3 forward = normalize(frame.constants.forward);
+    const float step = static_cast<float>(quality_.grid_texels) / 4.0f;
+    const float inner = 1.0f - 2.0f * (shared::kMostVoxels + 1.0f) / static_cast<float>(quality_.grid_texels);
+    const float most = std::floor(std::min(kShift, inner - 0.05f) * step);
+    constants.grid.shift =
+        clamp(round(glm::vec2(dot(forward, map.east), dot(forward, map.north)) * most), -most, most) / step;
+  }
   constants.ground = in.ground;
   if (!in.ground_albedo) {
     constants.ground = map;
@@ -287,6 +305,8 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
       .read("work", work)
       .read("list", list)
       .sample("in_cells", traced, Sampler::nearest_clamp)
+      .sample("grid_tex", grid)
+      .sample("most_tex", graph.import(most_), Sampler::nearest_clamp)
       .write("out_cells", out);
   smooth.record([this, words](gpu::Commands& cmd) { cmd.bind(smooth_).dispatch_threads(words * 32); });
   return {.data = data,

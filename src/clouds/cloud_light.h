@@ -20,7 +20,10 @@ class CloudLight {
     uint32_t node_px = 2;        ///< pixels between nodes, at least
     uint32_t most_nodes = 128;   ///< along the longer side of the picture
     uint32_t grid_texels = 192;  ///< along a side of a level of the grid; even
-    uint32_t grid_slices = 48;   ///< of its height; even
+    uint32_t grid_slices = 96;   ///< of its height; even
+    float finest_half_m = 4e3f;  ///< of the grid's finest level: half its side
+    uint32_t slices = 384;       ///< of cells along a ray, a multiple of 32
+    float first_m = 25.0f;       ///< length of the first of them
   };
   /// Of a preset: medium, high, ultra.
   static Quality quality_of(const std::string& preset);

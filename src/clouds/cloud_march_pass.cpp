@@ -1,5 +1,7 @@
 #include "clouds/cloud_march_pass.h"
 
+#include <algorithm>
+
 #include "clouds/cloud_clear.comp.h"
 #include "clouds/cloud_march.comp.h"
 #include "clouds/cloud_shade.comp.h"
@@ -14,21 +16,26 @@ struct ShadePush {
 };
 /// Share of the sky that is covered, for the light that reaches the ground between clouds.
 constexpr double kTypicalCoverage = 0.4;
+/// From above, pixels wider than this hide so much of the clouds that the density's filter says too little.
+constexpr double kWidePixel_m = 300.0;
 }  // namespace
 
-CloudMarchPass::CloudMarchPass(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups)
+CloudMarchPass::CloudMarchPass(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups, bool fine)
     : device_(device),
       clouds_(clouds),
       shade_(device, {.name = "clouds.shade", .spirv = cloud_shade_comp, .constants = {spectral_groups}}),
-      clear_(device, {.name = "clouds.clear", .spirv = cloud_clear_comp}) {}
+      clear_(device, {.name = "clouds.clear", .spirv = cloud_clear_comp}),
+      fine_(fine) {}
 
-const gpu::ComputePipeline& CloudMarchPass::march_pipeline(uint32_t phases, bool terrain) const {
-  gpu::ComputePipeline& pipeline = march_[phases - 1 + (terrain ? 2 : 0)];
+const gpu::ComputePipeline& CloudMarchPass::march_pipeline(uint32_t phases, bool terrain, bool rays) const {
+  gpu::ComputePipeline& pipeline = march_[phases - 1 + (terrain ? 2 : 0) + (rays ? 4 : 0)];
   if (!pipeline) {
     std::vector<uint32_t> constants = clouds_.specialisation(phases);
     constants.push_back(terrain ? 1 : 0);
-    pipeline =
-        gpu::ComputePipeline(device_, {.name = "clouds.march", .spirv = cloud_march_comp, .constants = constants});
+    constants.push_back(fine_ ? 1 : 0);
+    constants.push_back(rays ? 4 : 1);
+    pipeline = gpu::ComputePipeline(
+        device_, {.name = "clouds.march", .spirv = cloud_march_comp, .constants = std::move(constants)});
   }
   return pipeline;
 }
@@ -52,7 +59,12 @@ CloudMarchPass::Marched CloudMarchPass::add_march(FrameGraph& graph, const Frame
       .sample("terrain_volume_tex", light.terrain_shadow)
       .uniform("terrain_volume", light.terrain_map);
   bind_density(pass, density);
-  const gpu::ComputePipeline& pipeline = march_pipeline(clouds_.phases_at(frame.time_s), light.terrain);
+  double top_m = 0.0;
+  for (const Clouds::HeightRange& r : clouds_.layer_ranges()) top_m = std::max(top_m, r.high_m);
+  const double pixel_m = static_cast<double>(frame.constants.pixel_angle_rad) *
+                         (static_cast<double>(frame.constants.planet.camera_height_m) - top_m);
+  const gpu::ComputePipeline& pipeline =
+      march_pipeline(clouds_.phases_at(frame.time_s), light.terrain, fine_ && pixel_m > kWidePixel_m);
   pass.write("out_light", out.light)
       .write("out_info", out.info)
       .write("out_near", out.near)

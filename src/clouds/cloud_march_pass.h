@@ -32,8 +32,8 @@ class CloudMarchPass {
     ImageRef depths;  ///< rg32f: the two, m; equal, and `near` nothing, where there is one; 1e10 without clouds
   };
   /// `clouds` must outlive the pass. `spectral_groups`: AtmosphereTables::spectral_groups() of the tables that add()
-  /// gets.
-  CloudMarchPass(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups);
+  /// gets. `fine`: half as long steps, and four rays a pixel where a pixel is wider than clouds' cells.
+  CloudMarchPass(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups, bool fine = false);
   Outputs add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in) const;
 
   /// The march without the lighting.
@@ -48,12 +48,13 @@ class CloudMarchPass {
                     const CloudLight::Refs& light) const;
 
  private:
-  const gpu::ComputePipeline& march_pipeline(uint32_t phases, bool terrain) const;
+  const gpu::ComputePipeline& march_pipeline(uint32_t phases, bool terrain, bool rays) const;
   gpu::Device& device_;
   const Clouds& clouds_;
   gpu::ComputePipeline shade_, clear_;
-  /// By phases - 1, twice: without and with terrain's shade; made when a frame needs it.
-  mutable std::array<gpu::ComputePipeline, 4> march_;
+  bool fine_;
+  /// By phases - 1, with terrain's shade or without (2), with four rays or one (4); made when a frame needs it.
+  mutable std::array<gpu::ComputePipeline, 8> march_;
 };
 
 }  // namespace nepho

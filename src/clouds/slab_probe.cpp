@@ -169,7 +169,8 @@ shared::CloudConstants slab_constants(const Clouds& clouds, const Slab& slab) {
 }
 
 /// The layer is the same everywhere: few columns do, and light fades within metres of the faces of the densest.
-const CloudLight::Quality kSlabLight{.paths = 16, .node_px = 8, .grid_texels = 16, .grid_slices = 256};
+const CloudLight::Quality kSlabLight{
+    .paths = 16, .node_px = 1, .grid_texels = 16, .grid_slices = 768, .finest_half_m = 64e3f, .first_m = 1.0f};
 
 struct MarchedSlabs::Parts {
   Parts(gpu::Device& gpu_device, const CloudParams& params, uint32_t px)
@@ -178,7 +179,7 @@ struct MarchedSlabs::Parts {
         clouds(device, params),
         light{CloudLight(device, clouds, kSpectralGroups, kSlabLight),
               CloudLight(device, clouds, kSpectralGroups, kSlabLight)},
-        march(device, clouds, kSpectralGroups),
+        march(device, clouds, kSpectralGroups, true),
         executor(device) {
     for (const SlabDirection& d : slab_directions()) directions.push_back(view_of(device, window_of(d), d.up));
   }

@@ -32,7 +32,7 @@ struct Renderer::Parts {
         : clouds(device, params, sources),
           light(device, clouds, spectral_groups, CloudLight::quality_of(quality)),
           ground(device),
-          march(device, clouds, spectral_groups),
+          march(device, clouds, spectral_groups, quality == "high" || quality == "ultra"),
           shadow_maps(device, clouds, params.shadows),
           shadow(device),
           debug(device, clouds) {}
