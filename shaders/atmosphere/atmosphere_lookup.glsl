@@ -216,6 +216,14 @@ vec3 sun_transmittance(float height_m, float mu_s) {
 // Light of the one that casts shadows, on a facing plane, lux per channel. `mu` is its cosine to the vertical there.
 vec3 key_illuminance(FrameConstants frame, float height_m, float mu) { return frame.key_illuminance * sun_transmittance(height_m, mu); }
 
+// Light of the moon on a horizontal plane, lux per channel, as far as it is not the key light: at dusk, before and while it takes
+// over from the sun. It has no shadows. Arithmetic, because of count_lights().
+vec3 moon_fill_illuminance(FrameConstants frame, float height_m, vec3 up) {
+  float mu = dot(up, frame.moon_dir);
+  vec3 rest = frame.moon_share * frame.sun_illuminance_1au - step(0.99999, dot(frame.key_dir, frame.moon_dir)) * frame.key_illuminance;
+  return step(1.5, float(frame.light_count)) * max(mu, 0.0) * max(rest, vec3(0.0)) * sun_transmittance(height_m, mu);
+}
+
 // One of the kIrradianceParts for a sun at 1 au.
 vec3 irradiance_part(float height_m, float mu_s, int part) {
   AtmosphereUniform air = atmosphere.air;

@@ -37,7 +37,7 @@ void main() {
     float mu_key = dot(up, f.key_dir);
     float height_m = geodetic_height(f.planet, p);
     vec3 key_lux = key_illuminance(f, height_m, mu_key);
-    vec3 sky_lux = sky_illuminance(f, height_m, up) + f.night_illuminance;
+    vec3 sky_lux = sky_illuminance(f, height_m, up) + moon_fill_illuminance(f, height_m, up) + f.night_illuminance;
     vec3 ground_lux = push.traced != 0u ? key_illuminance(f, 0.0, mu_key) * max(mu_key, 0.0) : push.ground_albedo * (key_lux * max(mu_key, 0.0) * (1.0 - 0.7 * push.coverage) + sky_lux);
     vec3 sent = part.x * key_lux + part.y * push.sky_light_scale * sky_lux + part.z * push.ground_bounce_scale * ground_lux;
     vec3 air_transmittance;

@@ -60,7 +60,7 @@ vec3 surface_luminance(FrameConstants f, ivec2 pixel, vec3 dir, float distance, 
   float mu_key = dot(up, f.key_dir);
   float visibility = push.has_cloud_shadow != 0u ? texelFetch(sun_visible_share, pixel, 0).r : 1.0;
   vec3 key = key_illuminance(f, height, mu_key) * visibility;
-  vec3 sky = sky_illuminance(f, height, up) + (kNight ? night_illuminance_lux() : vec3(0));
+  vec3 sky = sky_illuminance(f, height, up) + (kNight ? moon_fill_illuminance(f, height, up) + night_illuminance_lux() : vec3(0));
   if (HAZE > 0u) {
     HazeGround haze = haze_over_ground(point, mu_key);
     sky = sky * haze.sky + key * haze.scattered;

@@ -25,9 +25,7 @@ AirMarch start_air_march(vec3 dir) {
   m.ray = air_ray_from(f.planet, f.camera_up, f.key_dir, dir);
   float length_m = m.ray.in_air ? distance_to_top(atmosphere.air, m.ray.h, m.ray.mu) : 0.0;
   m.path = air_path(atmosphere.air, m.ray.h, m.ray.mu, m.ray.mu_s, m.ray.nu, length_m, length_m);
-  // The sun, or the moon deep at night; arithmetic, because a condition on uniforms makes lavapipe compile anew.
-  float is_sun = step(0.99999, dot(f.key_dir, f.sun_dir));
-  m.factor = mix(f.moon_share, vec3(f.sun_distance_factor), is_sun) * atmosphere.air.luminance_factor;
+  m.factor = f.key_illuminance / max(f.sun_illuminance_1au, vec3(1.0e-20)) * atmosphere.air.luminance_factor;
   m.end_m = m.ray.start_m + length_m / m.ray.stretch;
   m.haze_per_m = 1.0 / m.ray.stretch;
   return m;
@@ -83,7 +81,7 @@ AirSource air_source_at(AirMarch m, float t_m, bool many) {
     vec3 through = transmittance_of(node.columns);
     vec3 up = geodetic_up(f.planet, m.dir * t_m);
     vec3 key = f.key_illuminance * (node.sunlit * transmittance_of(node.columns_to_sun));
-    vec3 sky = sky_illuminance(f, h, up) + f.night_illuminance;
+    vec3 sky = sky_illuminance(f, h, up) + moon_fill_illuminance(f, h, up) + f.night_illuminance;
     float mu0 = max(node.mu_s, 0.03);
     // Towards the light, through all layers: true, and of the medium without its forward peak (g^2); and vertically, isotropic (g).
     vec2 to_sun = vec2(0.0), column = vec2(0.0);

@@ -11,6 +11,9 @@ namespace nepho {
 
 namespace {
 constexpr double kMoonLightsBelow_rad = rad_from_deg(-1.0), kMoonIsKeyBelow_rad = rad_from_deg(-9.0);
+/// Moonlight comes in, and takes over as the key light, while the sun sinks by this: sunk light changes by several
+/// stops meanwhile, so that neither is seen to begin.
+constexpr double kHandOver_rad = rad_from_deg(4.0);
 /// From space: the sunlit part of what is seen is small then, and a picture may be exposed for the rest.
 constexpr double kMoonLightsFromSpaceBelow_rad = rad_from_deg(-6.0);
 constexpr double kEarthRadius_m = 6371e3;
@@ -23,6 +26,12 @@ float halton(uint32_t index, uint32_t base) {
     r += f * static_cast<float>(index % base);
   }
   return r;
+}
+
+/// 0 above an elevation of the sun, 1 kHandOver_rad below it, smooth between.
+double moon_ramp(double sun_elevation_rad, double begins_rad) {
+  const double u = std::clamp((begins_rad - sun_elevation_rad) / kHandOver_rad, 0.0, 1.0);
+  return u * u * (3.0 - 2.0 * u);
 }
 
 /// Which lights there are, and which of them casts shadows. Sun and camera are filled in already.
@@ -41,11 +50,16 @@ void set_lights(shared::FrameConstants& c, const CameraPose& pose, const FrameLi
   const double sun_elevation = std::asin(
       std::clamp(glm::dot(geodetic_up_ecef(pose.at.lat_rad, pose.at.lon_rad), light.sun_dir_ecef), -1.0, 1.0));
   const double dip = std::acos(kEarthRadius_m / (kEarthRadius_m + std::max(pose.at.height_m, 0.0)));
-  if (sun_elevation < (pose.at.height_m > kNightSkyAbove_m ? kMoonLightsFromSpaceBelow_rad : kMoonLightsBelow_rad))
+  const double lights_below =
+      pose.at.height_m > kNightSkyAbove_m ? kMoonLightsFromSpaceBelow_rad : kMoonLightsBelow_rad;
+  if (sun_elevation < lights_below) {
     c.light_count = 2;
-  if (sun_elevation < kMoonIsKeyBelow_rad - dip) {
+    c.moon_share *= static_cast<float>(moon_ramp(sun_elevation, lights_below));
+  }
+  const double key_below = kMoonIsKeyBelow_rad - dip;
+  if (sun_elevation < key_below) {
     c.key_dir = c.moon_dir;
-    c.key_illuminance = c.moon_share * c.sun_illuminance_1au;
+    c.key_illuminance = static_cast<float>(moon_ramp(sun_elevation, key_below)) * c.moon_share * c.sun_illuminance_1au;
   }
 }
 }  // namespace

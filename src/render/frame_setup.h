@@ -24,10 +24,12 @@ struct FrameLight {
 };
 
 /// Everything that shaders need of camera, planet, sun and clock, computed in double and narrowed once.
-/// `jitter_px` moves this frame's rays within their pixels. The moon lights the air (light_count 2) once the sun is
-/// below -1 degree at the camera, from above 60 km below -6. It is the key light, the one that casts shadows, once
-/// nothing that the camera can see may be sunlit: the sun lower at the camera than -9 degrees less the dip of the
-/// horizon.
+/// `jitter_px` moves this frame's rays within their pixels. The moon lights (light_count 2) once the sun is below -1
+/// degree at the camera, from above 60 km below -6: moon_share grows from 0 to the whole while the sun sinks by 4
+/// degrees more. It is the key light, the one that casts shadows, once nothing that the camera can see may be sunlit:
+/// the sun lower at the camera than -9 degrees less the dip of the horizon; key_illuminance too grows from 0 while the
+/// sun sinks by 4 degrees more. What of its light is not yet the key light's falls without shadows
+/// (moon_fill_illuminance of atmosphere_lookup.glsl).
 shared::FrameConstants make_frame_constants(const CameraPose& pose, Extent2D extent, const FrameLight& light,
                                             double time_s, uint32_t frame_index, uint32_t seed, glm::vec2 jitter_px);
 

@@ -143,9 +143,11 @@ shared::NightSkyUniform NightSky::uniform(const shared::FrameConstants& frame, c
     const dvec3 sun(frame.sun_illuminance_1au);
     n.moon_mean = static_cast<float>(mean);
     n.moon_mean_albedo = static_cast<float>(albedo);
-    // Whatever the law of reflection makes of the phase, the disc's light is Allen's.
-    if (mean > 1e-9)
-      n.moon_luminance = vec3(dvec3(frame.moon_share) * sun / (std::numbers::pi * radius * radius * mean));
+    // Whatever the law of reflection makes of the phase, the disc's light is Allen's; by day too, when frame.moon_share
+    // is not yet all of it.
+    const dvec3 share =
+        moon_sun_illuminance_ratio(phase, kMoonRadius_m / std::sin(radius), moon.sun_distance_au) * moonlight_color();
+    if (mean > 1e-9) n.moon_luminance = vec3(share * sun / (std::numbers::pi * radius * radius * mean));
     const dvec3 earthshine = earthshine_illuminance_ratio(moon.phase_angle_rad, moon.distance_m, sky.sun.distance_au) *
                              earthshine_color() * sun;
     n.earthshine_luminance = vec3(earthshine * (kMoonGeometricAlbedo / std::numbers::pi / albedo));

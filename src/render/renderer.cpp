@@ -106,10 +106,7 @@ Renderer::Renderer(gpu::Device& device, TerrainSources sources, const Scene& sce
     : scene_(scene), device_(device) {
   const auto start = Clock::now();
   parts_ = std::make_unique<Parts>(device, std::move(sources), sky, weather, scene, timings_);
-  const UtcInstant utc = parse_utc(scene.time);
-  parts_->time_s = utc.seconds_since_2000();
-  parts_->sky = sky_bodies_at(utc);
-  parts_->light = FrameLight::from(parts_->sky, sun_illuminance_at_1au(scene.atmosphere), scene.night_sky.moon);
+  set_time(parse_utc(scene.time));
   parts_->pose = resolve_camera(scene.camera, [this](double lat_rad, double lon_rad) {
     return parts_->terrain.ground_height_m(lat_rad, lon_rad);
   });
@@ -117,6 +114,12 @@ Renderer::Renderer(gpu::Device& device, TerrainSources sources, const Scene& sce
 }
 
 Renderer::~Renderer() = default;
+
+void Renderer::set_time(const UtcInstant& utc, const std::optional<UtcInstant>& sky) {
+  parts_->time_s = utc.seconds_since_2000();
+  parts_->sky = sky_bodies_at(sky.value_or(utc));
+  parts_->light = FrameLight::from(parts_->sky, sun_illuminance_at_1au(scene_.atmosphere), scene_.night_sky.moon);
+}
 
 void Renderer::set_atmosphere(const AtmosphereParams& params) {
   if (spectral_groups(params) != spectral_groups(scene_.atmosphere))

@@ -1,10 +1,12 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "astro/utc_time.h"
 #include "gpu/graph_executor.h"
 #include "io/image_buffer.h"
 #include "render/camera_pose.h"
@@ -70,6 +72,9 @@ class Renderer {
   ~Renderer();
   /// The camera of the scene, placed on the drawn ground where its height depends on it.
   CameraPose pose() const;
+  /// Moves the scene's clock: sun, moon, stars and clouds are those of the moment from the next render() on. With a
+  /// second moment sun, moon and stars are that one's.
+  void set_time(const UtcInstant& utc, const std::optional<UtcInstant>& sky = std::nullopt);
   RenderResult render(const RenderRequest& request);
   const RenderTimings& timings() const { return timings_; }
 

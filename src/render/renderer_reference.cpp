@@ -51,6 +51,9 @@ RenderResult Renderer::render_reference(const RenderRequest& request) {
     frame.camera_ecef_m = p.pose.ecef_m;
     frame.time_s = p.time_s;
     frame.constants = make_frame_constants(p.pose, size, p.light, p.time_s, 0, params.seed, glm::vec2(0.0f));
+    // Paths know one light with shadows and no other: deep at night that is all of the moon's.
+    if (frame.constants.key_dir == frame.constants.moon_dir)
+      frame.constants.key_illuminance = frame.constants.moon_share * frame.constants.sun_illuminance_1au;
     frame.constants.night_illuminance =
         shared::night_sky_illuminance(static_cast<float>(scene_.night_sky.airglow_cd_m2), scene_.night_sky.stars);
     frame.buffer = graph.constants("frame", frame.constants);
@@ -97,7 +100,8 @@ RenderResult Renderer::render_reference(const RenderRequest& request) {
   std::vector<shared::PixelSums> earlier;
   if (request.resume) earlier = sums_of_picture(*request.resume, extent);
   SamplePlan plan = earlier.empty() ? SamplePlan::even(pixels) : SamplePlan::like(earlier);
-  // Sample numbers that are taken: of an even picture those below its level, of another one's also a pilot's (no more than the largest).
+  // Sample numbers that are taken: of an even picture those below its level, of another one's also a pilot's (no more
+  // than the largest).
   std::vector<uint32_t> taken(pixels, 0), samples, numbers(pixels);
   double level = 0.0;
   for (size_t i = 0; i < earlier.size(); ++i) taken[i] = plan.is_even() ? 0 : static_cast<uint32_t>(kMostPilot);

@@ -77,6 +77,19 @@ TEST_CASE("frame light: the moon is the key light where nothing in sight is sunl
   CHECK(none.key_illuminance == none.sun_illuminance);
 }
 
+TEST_CASE(
+    "frame light: the moon's light grows from nothing within 4 degrees, as the air's second light and as the key") {
+  const double full = luminance(frame_at(-40.0, 0.0).moon_share);
+  CHECK(luminance(frame_at(-1.0001, 0.0).moon_share) < 1e-6 * full);
+  CHECK(luminance(frame_at(-3.0, 0.0).moon_share) == doctest::Approx(0.5 * full).epsilon(1e-3));
+  CHECK(luminance(frame_at(-5.001, 0.0).moon_share) == doctest::Approx(full));
+  CHECK(luminance(frame_at(-8.0, 400e3).moon_share) == doctest::Approx(0.5 * full).epsilon(0.02));
+  const double key = luminance(frame_at(-40.0, 0.0).key_illuminance);
+  CHECK(luminance(frame_at(-9.0001, 0.0).key_illuminance) < 1e-6 * key);
+  CHECK(luminance(frame_at(-11.0, 0.0).key_illuminance) == doctest::Approx(0.5 * key).epsilon(1e-3));
+  CHECK(luminance(frame_at(-13.001, 0.0).key_illuminance) == doctest::Approx(key));
+}
+
 TEST_CASE("night sky: pixels' solid angles sum to the picture's") {
   const shared::FrameConstants f = frame_at(-30.0, 0.0);
   double sum = 0.0;
