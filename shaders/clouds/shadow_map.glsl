@@ -68,7 +68,8 @@ float shadow_read(uint k, vec3 p_cam, vec2 shift) {
 // Where no map is: the mean below the clouds, nothing above them.
 float shadow_outside(vec3 p_cam) {
   float height_m = geodetic_height(CLOUD_PLANET, p_cam);
-  return mix(SHADOW.outside, 1.0, clamp((height_m - SHADOW.hull_low_m) / (SHADOW.hull_high_m - SHADOW.hull_low_m), 0.0, 1.0));
+  float below = shadow_beyond(SHADOW.outside, SHADOW.slant, dot(geodetic_up(CLOUD_PLANET, p_cam), SHADOW.light));
+  return mix(below, 1.0, clamp((height_m - SHADOW.hull_low_m) / (SHADOW.hull_high_m - SHADOW.hull_low_m), 0.0, 1.0));
 }
 
 // p_cam: camera-relative point, ECEF axes, m. 1 where nothing is between it and the light. Whether the Earth is in the way

@@ -29,12 +29,20 @@ struct ShadowMaps {
   vec3 axis_y;
   uint resolution;      // texels along a side, a multiple of kShadowTile
   vec3 light;           // unit, towards the light
-  float outside;        // transmittance below the clouds where no map is
+  float outside;        // transmittance below the clouds where no map is, for light from the zenith
+  float slant;          // and how fast it falls where light is slanting: shadow_beyond()
   float hull_low_m, hull_high_m;  // geodetic heights between which clouds cast shadows
   float thickness_m;    // of the thinnest casting layer
   ShadowCascade at[4];
   uint usable[2048];    // a bit per tile of the window, row by row: it and its neighbours are marched
 };
+
+// Mean transmittance of broken clouds to slanting light, mu the cosine of its zenith angle: cylinders that stand at random, whose shadows grow
+// with their height times the tangent (Kauth and Penquite 1967); slant: 4/pi of height over width.
+SHARED_FN float shadow_beyond(float outside, float slant, float mu) {
+  float c = clamp(mu, 0.05f, 1.0f);
+  return pow(outside, 1.0f + slant * sqrt(1.0f - c * c) / c);
+}
 
 // A tile to be marched.
 struct ShadowTileWork {

@@ -22,12 +22,12 @@ layout(push_constant, scalar) uniform PushBlock { ShaftApplyPush push; };
 
 // What a block says of a distance: between its nearest and its farthest one, where there is one between; else in proportion, and with less
 // weight.
-vec4 change_at(vec4 nearest, vec4 farthest, vec2 depths, float distance_m, out float weight) {
-  float at = shaft_depth(distance_m), from = shaft_depth(depths.x), to = shaft_depth(depths.y);
+vec4 change_at(vec4 nearest, vec4 farthest, vec2 depths, float distance_m, float entry_m, out float weight) {
+  float at = shaft_share(distance_m, entry_m), from = shaft_share(depths.x, entry_m), to = shaft_share(depths.y, entry_m);
   vec4 change = mix(nearest, farthest, clamp((at - from) / max(to - from, 1.0e-6), 0.0, 1.0));
-  float inside = clamp(at, from, to), off = at - inside;
+  float off = shaft_depth(distance_m) - shaft_depth(clamp(distance_m, depths.x, depths.y));
   weight = 1.0 / (1.0 + 1.0e4 * off * off);
-  change.rgb *= clamp(at / max(inside, 1.0e-4), 0.5, 2.0);
+  change.rgb *= clamp(at / max(clamp(at, from, to), 1.0e-6), 0.5, 2.0);
   return change;
 }
 
@@ -37,8 +37,12 @@ void main() {
   if (any(greaterThanEqual(pixel, ivec2(f.size)))) return;
   float distance_m = min(texelFetch(depth_m, pixel, 0).r, kFarDepth_m);
   vec2 cloud_m = texelFetch(cloud_depths, pixel, 0).rg;
+  vec2 shell;
+  float entry_m = intersect_shell(f.planet, pixel_direction(f, vec2(pixel) + 0.5), push.top_m, shell) ? max(shell.x, 0.0) : 0.0;
   vec2 place = (vec2(pixel) + 0.5) / float(push.downscale) - 0.5;
-  ivec2 low = ivec2(floor(place)), last = textureSize(depths_tex, 0) - 1;
+  // At the rim of the picture the line through the last two blocks goes on: a pixel's own block knows its distance, so that no sum of weights is
+  // near zero.
+  ivec2 last = textureSize(depths_tex, 0) - 1, low = clamp(ivec2(floor(place)), ivec2(0), max(last - 1, ivec2(0)));
   vec2 part = place - vec2(low);
   vec4 behind = vec4(0.0), cloud[2] = vec4[2](vec4(0.0), vec4(0.0));
   float behind_weight = 0.0, cloud_weight[2] = float[2](0.0, 0.0);
@@ -46,13 +50,13 @@ void main() {
     ivec2 corner = ivec2(i & 1, i >> 1);
     ivec2 at = clamp(low + corner, ivec2(0), last);
     vec2 w = mix(1.0 - part, part, vec2(corner));
-    float share = w.x * w.y + 1.0e-4, weight;
+    float share = w.x * w.y, weight;
     vec4 depths = texelFetch(depths_tex, at, 0);
-    vec4 change = change_at(texelFetch(near_tex, at, 0), texelFetch(far_tex, at, 0), depths.xy, distance_m, weight);
+    vec4 change = change_at(texelFetch(near_tex, at, 0), texelFetch(far_tex, at, 0), depths.xy, distance_m, entry_m, weight);
     behind += share * weight * change;
     behind_weight += share * weight;
     for (int k = 0; k < 2; ++k) {
-      change = change_at(texelFetch(cloud_near_tex, at, 0), texelFetch(cloud_far_tex, at, 0), depths.zw, cloud_m[k], weight);
+      change = change_at(texelFetch(cloud_near_tex, at, 0), texelFetch(cloud_far_tex, at, 0), depths.zw, cloud_m[k], entry_m, weight);
       if (depths.w <= 0.0) weight = 0.0;
       cloud[k] += share * weight * change;
       cloud_weight[k] += share * weight;

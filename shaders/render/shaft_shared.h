@@ -71,6 +71,13 @@ SHARED_FN float step_distance(StepPlan plan, float x) {
 // How near two distances are for the choice between depths: even near the camera, in proportion far away.
 SHARED_FN float shaft_depth(float distance_m) { return distance_m / (distance_m + 5.0e3f); }
 
+// About how much of the light that shade can take from a ray lies up to a distance, 0..1; entry_m: where shade may begin.
+SHARED_CONST float kAirReach_m = 40.0e3f;
+SHARED_FN float shaft_share(float distance_m, float entry_m) {
+  float x = max(distance_m - entry_m, 0.0f) / kAirReach_m;
+  return x < 1.0e-2f ? x * (1.0f - 0.5f * x) : 1.0f - exp(-x);
+}
+
 struct ShaftMarchPush {
   uint downscale;
   uint has_clouds;       // 1: cloud_depths holds clouds' depths
@@ -83,6 +90,7 @@ struct FroxelApplyPush {
 struct ShaftApplyPush {
   uint downscale;
   uint has_clouds;
+  float top_m;           // scaled height that neither shade nor haze reaches
 };
 
 SHARED_END

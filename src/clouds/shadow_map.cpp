@@ -11,7 +11,7 @@ namespace nepho {
 namespace {
 
 static_assert(sizeof(shared::ShadowCascade) == 48);
-static_assert(sizeof(shared::ShadowMaps) == 60 + 4 * 48 + 4 * 2048);
+static_assert(sizeof(shared::ShadowMaps) == 64 + 4 * 48 + 4 * 2048);
 static_assert(sizeof(shared::ShadowTileWork) == 16);
 constexpr uint32_t kTile = shared::kShadowTile;
 
@@ -19,7 +19,10 @@ constexpr double kMargin = 1.06;          // of a new cascade over what it must 
 constexpr double kLargest = 1.4;          // a cascade this much larger than needed is made anew
 constexpr double kLowestGround_m = -600;  // no ground that is seen lies lower
 constexpr double kDetailHidden = 0.06;    // of the detail noise's period: texels that hide it
-constexpr uint32_t kMostGroups = 60000;   // of a dispatch
+/// 4/pi of a cloud's height over its width, per thickness of a layer over the size of its cells: clouds are 0.6 of the
+/// one high where they stand and the other wide (measured, docs/light.md, 'Shafts').
+constexpr double kSlant = 0.75;
+constexpr uint32_t kMostGroups = 60000;  // of a dispatch
 
 struct MarchPush {
   uint32_t first;
@@ -27,7 +30,7 @@ struct MarchPush {
   float footprint;
 };
 
-/// Mean share of the key light that reaches the ground, for where no map is.
+/// Mean share of light from the zenith that reaches the ground, for where no map is.
 float mean_transmittance(const CloudParams& params) {
   const double covered = params.coverage.value_or(params.weather.mean_coverage_r);
   return static_cast<float>(1.0 - 0.9 * covered);
@@ -49,7 +52,7 @@ CloudShadowMaps::CloudShadowMaps(gpu::Device& device, const Clouds& clouds, cons
   const shared::CloudConstants& c = clouds.constants();
   const uint32_t tiles = std::clamp(params.resolution, 2 * kTile, shared::kShadowResolution) / kTile;
   const bool some = params.enabled && c.caster_count > 0 && !(c.uniform_density > 0.0f);
-  double thickness_m = 1e9;
+  double thickness_m = 1e9, slant = 0.0;
   if (some) {
     low_m_ = 1e9;
     high_m_ = -1e9;
@@ -59,6 +62,7 @@ CloudShadowMaps::CloudShadowMaps(gpu::Device& device, const Clouds& clouds, cons
       high_m_ = std::max(high_m_, range.high_m);
       const shared::CloudLayerConstants& layer = c.layers[c.casters[k]];
       thickness_m = std::min(thickness_m, static_cast<double>(layer.thickness_m));
+      slant += kSlant * static_cast<double>(layer.thickness_m / layer.cell_size_m) / c.caster_count;
       drift_mps_ = std::max(drift_mps_, static_cast<double>(length(layer.wind_mps) + layer.evolution_mps));
     }
     drift_mps_ += std::abs(clouds.params().weather.drift_east_mps);
@@ -67,6 +71,7 @@ CloudShadowMaps::CloudShadowMaps(gpu::Device& device, const Clouds& clouds, cons
   data_.cascades = static_cast<uint32_t>(cascades_.size());
   data_.resolution = tiles * kTile;
   data_.outside = mean_transmittance(clouds.params());
+  data_.slant = static_cast<float>(slant);
   data_.hull_low_m = static_cast<float>(low_m_);
   data_.thickness_m = static_cast<float>(thickness_m);
   data_.hull_high_m = static_cast<float>(high_m_);

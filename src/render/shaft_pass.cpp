@@ -18,7 +18,7 @@ namespace nepho {
 static_assert(sizeof(shared::HazeLayerData) == 32);
 static_assert(sizeof(shared::ShaftData) == 4 * 32 + 16 + 16);
 static_assert(sizeof(shared::ShaftMarchPush) == 12);
-static_assert(sizeof(shared::ShaftApplyPush) == 8);
+static_assert(sizeof(shared::ShaftApplyPush) == 12);
 static_assert(sizeof(shared::FroxelGrid) == 24);
 static_assert(sizeof(shared::FroxelApplyPush) == 28);
 
@@ -30,14 +30,18 @@ constexpr double kBulk = 3.0;
 constexpr double kGrowth = 5.0;
 /// Of the march through the air of screen-space shafts, whose shade is the same along a ray.
 constexpr uint32_t kScreenMarchSteps = 8;
+/// Angle that the side of a block of pixels covers at most: 0.5 degrees.
+constexpr double kWidestBlock_rad = 0.0087;
 /// Optical depth of what glows around the sun over clouds, at screen_glow 1.
 constexpr double kGlowDepth = 0.02;
 
 uint32_t blocks_of(uint32_t pixels, uint32_t side) { return (pixels + side - 1) / side; }
 
-/// With haze every pixel has a ray of its own: what lies low over distant ground changes from row to row.
-uint32_t block_side(const ShaftParams& params, const std::vector<HazeLayer>& haze) {
-  return haze.empty() ? params.downscale : 1;
+/// With haze every pixel has a ray of its own: what lies low over distant ground changes from row to row. So it has
+/// where blocks would be wider than shafts: in small pictures, which cost little.
+uint32_t block_side(const FrameInfo& frame, const ShaftParams& params, const std::vector<HazeLayer>& haze) {
+  const double most = kWidestBlock_rad / static_cast<double>(frame.constants.pixel_angle_rad);
+  return haze.empty() ? static_cast<uint32_t>(std::clamp(most, 1.0, static_cast<double>(params.downscale))) : 1;
 }
 
 /// Whose shade is drawn, and geodetic height that it does not reach.
@@ -61,6 +65,16 @@ double haze_top_m(const HazeLayer& layer) {
   const double reach = layer.base_m + static_cast<double>(shared::kHazeReach) * layer.scale_height_m;
   return layer.top_m ? std::min(*layer.top_m, reach) : reach;
 }
+
+/// Geodetic height above which air is as it was.
+double changed_top_m(const Shade& shade, const std::vector<HazeLayer>& haze) {
+  double top_m = shade.top_m;
+  for (const HazeLayer& layer : haze) top_m = std::max(top_m, haze_top_m(layer));
+  return top_m;
+}
+
+/// Scaled heights of a geodetic one differ over the globe: none is above this.
+float scaled_top(double geodetic_m) { return static_cast<float>(geodetic_m * 1.0034 + 1.0); }
 }  // namespace
 
 ShaftPass::ShaftPass(gpu::Device& device, uint32_t spectral_groups)
@@ -142,10 +156,9 @@ const gpu::ComputePipeline& ShaftPass::pipeline(Kind kind, uint32_t haze_layers,
 BufferRef ShaftPass::constants(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
                                const std::vector<HazeLayer>& haze, double shade_top_m, const Air& air) const {
   const shared::PlanetView& planet = frame.constants.planet;
-  // Scaled heights of a geodetic one differ over the globe: none is above this.
-  const double top_m = shade_top_m > kFarBelow_m ? shade_top_m * 1.0034 + 1.0 : kFarBelow_m;
+  const float top_m = shade_top_m > kFarBelow_m ? scaled_top(shade_top_m) : static_cast<float>(kFarBelow_m);
   return graph.constants("shafts", shared::ShaftData{.haze = make_haze_data(haze, planet, air.uniform->radius_m),
-                                                     .shade_top_m = static_cast<float>(top_m),
+                                                     .shade_top_m = top_m,
                                                      .intensity = static_cast<float>(params.intensity),
                                                      .ground_m = shared::scaled_height_from_geodetic(
                                                          planet, planet.camera_q_m, static_cast<float>(air.ground_m)),
@@ -156,8 +169,7 @@ FroxelRefs ShaftPass::add_froxels(FrameGraph& graph, const FrameInfo& frame, con
                                   const HazeParams& haze, ShaftMethod method, const Air& air, bool light) {
   const std::vector<HazeLayer> layers = drawn_haze(haze);
   const Shade shade = shade_of(params, method, air);
-  double top_m = std::max(shade.top_m, 0.0);
-  for (const HazeLayer& layer : layers) top_m = std::max(top_m, haze_top_m(layer));
+  const double top_m = std::max(changed_top_m(shade, layers), 0.0);
   // From above, the grid begins where something may be and reaches over the horizon.
   const double height_m = static_cast<double>(frame.constants.planet.camera_height_m);
   const double start_m = std::max(height_m - 1.01 * top_m - 10.0, 0.0);
@@ -200,7 +212,7 @@ ShaftPass::Blocks ShaftPass::add_march(FrameGraph& graph, const FrameInfo& frame
                                        const Inputs& in) {
   const Shade shade = shade_of(params, method, air);
   const bool screen = shade.clouds && method == ShaftMethod::screen;
-  const uint32_t side = block_side(params, haze);
+  const uint32_t side = block_side(frame, params, haze);
   const Extent2D blocks{blocks_of(frame.extent.width, side), blocks_of(frame.extent.height, side)};
   const auto image = [&](const char* name) {
     return graph.create(name, {.extent = blocks, .format = Format::rgba32f});
@@ -268,7 +280,8 @@ ShaftPass::Outputs ShaftPass::add(FrameGraph& graph, const FrameInfo& frame, con
         .sample("cloud_near_tex", blocks.cloud_near, Sampler::nearest_clamp)
         .sample("cloud_far_tex", blocks.cloud_far, Sampler::nearest_clamp)
         .sample("depths_tex", blocks.depths, Sampler::nearest_clamp);
-    const shared::ShaftApplyPush push{block_side(params, layers), has_clouds};
+    const shared::ShaftApplyPush push{block_side(frame, params, layers), has_clouds,
+                                      scaled_top(changed_top_m(shade_of(params, method, air), layers))};
     pass.record([&applier, push, extent = frame.extent](gpu::Commands& cmd) {
       cmd.bind(applier).push(push).dispatch_threads(extent.width, extent.height);
     });
