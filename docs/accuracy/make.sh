@@ -46,7 +46,7 @@ import json, pathlib, sys
 work, page, names = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]), sys.argv[3:]
 BEGIN, END = "<!-- table: docs/accuracy/make.sh -->", "<!-- end of table -->"
 METHODS = ["cells", "octaves"]
-MEASURES = [("mean_relative_error", 100, "{:.0f}"), ("bias", 100, "{:+.0f}"), ("psnr_db", 1, "{:.1f}"),
+MEASURES = [("mean_relative_error", 100, "{:.1f}"), ("bias", 100, "{:+.1f}"), ("psnr_db", 1, "{:.1f}"),
             ("ssim", 1, "{:.2f}"), ("flip", 1, "{:.2f}")]
 
 def cell(value, scale, form):

@@ -108,7 +108,8 @@ void main() {
     if (!alive) {
       if (path == cells.paths) break;
       // Stratified over the angle, golden steps about it.
-      vec2 u = vec2((float(path) + shift.x) / float(cells.paths), fract(shift.y + 0.618034 * float(path)));
+      uint stratum = path * cells.path_step % cells.paths;
+      vec2 u = vec2((float(stratum) + shift.x) / float(cells.paths), fract(shift.y + 0.618034 * float(stratum)));
       way = SURFACE ? sample_cosine_hemisphere(normal, u) : direction_about(dir, sample_lobes_cosine(CLOUD.phase, u.x), u.y);
       start = origin;
       weight = 1.0;

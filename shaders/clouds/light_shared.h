@@ -10,6 +10,7 @@ struct LightCells {
   uvec2 nodes;
   uint slices;       // a multiple of 32
   uint paths;        // through each cell
+  uint path_step;    // from one to the next, all in turn: whose turns run out has seen directions of all kinds
   float first_m;
   float growth;
   float log2_ratio;  // log2(1 + growth)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <numeric>
 
 #include "clouds/beam_table.h"
 #include "clouds/cloud_bounds.h"
@@ -31,6 +32,8 @@ shared::LightCells cells_for(Extent2D extent, const CloudLight::Quality& quality
              std::max(2u, static_cast<uint32_t>(std::lround(extent.height / px)))};
   c.slices = quality.slices;
   c.paths = quality.paths;
+  c.path_step = std::max(1u, static_cast<uint32_t>(0.618 * quality.paths));
+  while (std::gcd(c.path_step, c.paths) != 1) ++c.path_step;
   c.first_m = quality.first_m;
   c.growth = kGrowths / static_cast<float>(c.slices);
   c.log2_ratio = std::log2(1.0f + c.growth);

@@ -170,7 +170,7 @@ shared::CloudConstants slab_constants(const Clouds& clouds, const Slab& slab) {
 
 /// The layer is the same everywhere: few columns do, and light fades within metres of the faces of the densest.
 const CloudLight::Quality kSlabLight{
-    .paths = 16, .node_px = 1, .grid_texels = 16, .grid_slices = 768, .finest_half_m = 64e3f, .first_m = 1.0f};
+    .paths = 16, .node_px = 1, .grid_texels = 16, .grid_slices = 512, .finest_half_m = 64e3f, .first_m = 1.0f};
 
 struct MarchedSlabs::Parts {
   Parts(gpu::Device& gpu_device, const CloudParams& params, uint32_t px)

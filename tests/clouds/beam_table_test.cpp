@@ -50,7 +50,7 @@ TEST_CASE(
     CAPTURE(params.phase);
     CAPTURE(params.droplet_diameter_um);
     const DropletPhase phase = droplet_phase(params);
-    const PhaseCut cut = cut_phase(phase.moment(1), phase.moment(3));
+    const PhaseCut cut = cut_phase(phase.moment(1), phase.moment(4));
     const size_t texels = shared::kBeamTexels;
     const std::vector<float> table = beam_table(phase, cut, texels, shared::kBeamOrders);
     REQUIRE(table.size() == texels * shared::kBeamOrders);
@@ -72,7 +72,7 @@ TEST_CASE(
 
 TEST_CASE("light scattered more than once is weighed in the beam, light scattered once is not") {
   const DropletPhase phase = droplet_phase({});
-  const PhaseCut cut = cut_phase(phase.moment(1), phase.moment(3));
+  const PhaseCut cut = cut_phase(phase.moment(1), phase.moment(4));
   const std::vector<float> one = beam_table(phase, cut, 16, 8), half = beam_table(phase, cut, 16, 8, 0.5);
   for (size_t i = 0; i < 16; ++i)
     for (size_t k = 0; k < 8; ++k) {
