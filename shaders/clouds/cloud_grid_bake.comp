@@ -31,7 +31,7 @@ void main() {
   vec3 forward = normalize(f.forward);
   float along = dot(middle, forward), margin_m = max(kAround_m, 6.0 * texel_m);
   float aside = length(middle - along * forward), slope = length(vec2(length(f.right), length(f.up))) / length(f.forward);
-  bool wanted = along > -margin_m && aside < slope * max(along, 0.0) + margin_m * (1.0 + slope);
+  bool wanted = grid.all_around != 0u || (along > -margin_m && aside < slope * max(along, 0.0) + margin_m * (1.0 + slope));
   float rest = 1.0 - light.data.forward_albedo;
   // Slices that no band has are read by who looks for the largest around.
   int used = grid.bands > 0u ? int(grid.band_first[grid.bands - 1u] + grid.band_slices[grid.bands - 1u]) : 0;

@@ -27,6 +27,7 @@ struct CloudGrid {
   uint bands;
   uint texels;       // along a side of a level; even
   uint slices;       // of a level; even
+  uint all_around;   // 1: it has what is far outside of the view, too
   vec2 shift;        // of the middle of each level from that of the map, in halves of its side; multiples of 4 / texels
 };
 

@@ -24,7 +24,7 @@ namespace {
 constexpr float kGrowths = 5.76f;       ///< of cells along a ray, all together: the last ends some 500 km away
 constexpr float kShift = 0.9f;          ///< of maps ahead of the camera, in halves of their sides, at most
 constexpr float kLooksAhead_m = 15e3f;  ///< cameras higher up look at the middle of the maps (cloud_region())
-shared::LightCells cells_for(Extent2D extent, const CloudLight::Quality& quality) {
+shared::LightCells cells_for(Extent2D extent, const CloudLight::Quality& quality, float first_m) {
   const uint32_t longest = std::max(extent.width, extent.height);
   const double px = std::max(double{quality.node_px}, static_cast<double>(longest) / quality.most_nodes);
   shared::LightCells c{};
@@ -34,7 +34,7 @@ shared::LightCells cells_for(Extent2D extent, const CloudLight::Quality& quality
   c.paths = quality.paths;
   c.path_step = std::max(1u, static_cast<uint32_t>(0.618 * quality.paths));
   while (std::gcd(c.path_step, c.paths) != 1) ++c.path_step;
-  c.first_m = quality.first_m;
+  c.first_m = first_m;
   c.growth = kGrowths / static_cast<float>(c.slices);
   c.log2_ratio = std::log2(1.0f + c.growth);
   c.stride_px = std::max(1u, static_cast<uint32_t>(px / 2.0));
@@ -51,6 +51,7 @@ shared::CloudGrid grid_places(const Clouds& clouds, const shared::RegionMap& map
   grid.band_slices = bands.band_slices;
   grid.bands = bands.bands;
   grid.texels = quality.grid_texels;
+  grid.all_around = quality.all_around ? 1 : 0;
   grid.slices = quality.grid_slices;
   return grid;
 }
@@ -111,6 +112,9 @@ void CloudLight::renew(const CloudParams& params) {
   traced_ = params.multiple_scattering != "octaves";
   const double extinction_per_m = params.scattering_per_m + params.absorption_per_m;
   albedo_ = extinction_per_m > 0.0 ? static_cast<float>(params.scattering_per_m / extinction_per_m) : 1.0f;
+  first_m_ = quality_.first_m;
+  if (quality_.first_paths > 0.0f && extinction_per_m > 0.0)
+    first_m_ = std::min(first_m_, quality_.first_paths / static_cast<float>(extinction_per_m));
   const DropletPhase phase = droplet_phase(params);
   const PhaseCut cut = cut_phase(phase.moment(1), phase.moment(4));
   forward_share_ = static_cast<float>(cut.forward_share);
@@ -185,7 +189,7 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
   shared::CloudLightConstants constants{};
   constants.grid = grid_places(clouds_, map, quality_);
   // Maps lie ahead of a camera that looks along the ground.
-  if (frame.constants.planet.camera_height_m < kLooksAhead_m) {
+  if (!quality_.all_around && frame.constants.planet.camera_height_m < kLooksAhead_m) {
     const glm::vec3 forward = normalize(frame.constants.forward);
     const float step = static_cast<float>(quality_.grid_texels) / 4.0f;
     const float inner = 1.0f - 2.0f * (shared::kMostVoxels + 1.0f) / static_cast<float>(quality_.grid_texels);
@@ -198,7 +202,7 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
     constants.ground = map;
     constants.ground.levels = 2;
   }
-  const shared::LightCells cells = constants.cells = cells_for(frame.extent, quality_);
+  const shared::LightCells cells = constants.cells = cells_for(frame.extent, quality_, first_m_);
   const float albedo = albedo_;
   constants.forward_share = forward_share_;
   constants.wide_g = wide_g_;
@@ -210,7 +214,7 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
   const Key key{.camera_ecef_m = frame.camera_ecef_m,
                 .time_s = frame.time_s,
                 .key_dir = frame.constants.key_dir,
-                .forward = frame.constants.forward};
+                .forward = quality_.all_around ? glm::vec3(0.0f) : frame.constants.forward};
   const bool terrain = static_cast<bool>(in.terrain_shadow);
   const ImageRef terrain_shadow = terrain ? in.terrain_shadow : graph.import(no_height_);
   const BufferRef terrain_map = terrain ? in.terrain_map : graph.constants("clouds.no_terrain", map);

@@ -23,7 +23,9 @@ class CloudLight {
     uint32_t grid_slices = 96;   ///< of its height; even
     float finest_half_m = 4e3f;  ///< of the grid's finest level: half its side
     uint32_t slices = 384;       ///< of cells along a ray, a multiple of 32
-    float first_m = 25.0f;       ///< length of the first of them
+    float first_m = 25.0f;       ///< length of the first of them, at most
+    float first_paths = 0.0f;    ///< 0, or its length in free paths of the densest cloud, at most
+    bool all_around = false;     ///< the grid has what the camera does not see, too: kept when it turns
   };
   /// Of a preset: medium, high, ultra.
   static Quality quality_of(const std::string& preset);
@@ -83,7 +85,7 @@ class CloudLight {
   gpu::ComputePipeline mark_, list_, gather_, gather_ground_, smooth_, sky_;
   std::array<gpu::ComputePipeline, 2> gather_terrain_;  ///< the two among terrain, made when a frame needs them
   gpu::Image extinction_, grid_, most_, beam_, no_albedo_, no_height_, none_, even_sky_;
-  float forward_share_ = 0.0f, wide_g_ = 0.0f, albedo_ = 1.0f;
+  float forward_share_ = 0.0f, wide_g_ = 0.0f, albedo_ = 1.0f, first_m_ = 0.0f;
   bool traced_ = true;  ///< false: octaves
   bool filled_ = false;
   Key key_;

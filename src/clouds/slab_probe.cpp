@@ -169,8 +169,19 @@ shared::CloudConstants slab_constants(const Clouds& clouds, const Slab& slab) {
 }
 
 /// The layer is the same everywhere: few columns do, and light fades within metres of the faces of the densest.
-const CloudLight::Quality kSlabLight{
-    .paths = 16, .node_px = 1, .grid_texels = 16, .grid_slices = 512, .finest_half_m = 64e3f, .first_m = 1.0f};
+constexpr CloudLight::Quality kSlabLight{.paths = 2,
+                                         .node_px = 1,
+                                         .grid_texels = 16,
+                                         .grid_slices = 512,
+                                         .finest_half_m = 64e3f,
+                                         .first_paths = 0.25f,
+                                         .all_around = true};
+/// Frames of one direction need few nodes; but no others share their noise.
+constexpr CloudLight::Quality narrow(CloudLight::Quality quality) {
+  quality.node_px = kDirectionSize.height;
+  quality.paths = 16;
+  return quality;
+}
 
 struct MarchedSlabs::Parts {
   Parts(gpu::Device& gpu_device, const CloudParams& params, uint32_t px)
@@ -178,7 +189,9 @@ struct MarchedSlabs::Parts {
         face_px(px),
         clouds(device, params),
         light{CloudLight(device, clouds, kSpectralGroups, kSlabLight),
-              CloudLight(device, clouds, kSpectralGroups, kSlabLight)},
+              CloudLight(device, clouds, kSpectralGroups, kSlabLight),
+              CloudLight(device, clouds, kSpectralGroups, narrow(kSlabLight)),
+              CloudLight(device, clouds, kSpectralGroups, narrow(kSlabLight))},
         march(device, clouds, kSpectralGroups, true),
         executor(device) {
     for (const SlabDirection& d : slab_directions()) directions.push_back(view_of(device, window_of(d), d.up));
@@ -200,7 +213,7 @@ struct MarchedSlabs::Parts {
   gpu::Device& device;
   uint32_t face_px;
   Clouds clouds;
-  CloudLight light[2];  ///< of the cameras below and above
+  CloudLight light[4];  ///< of the cameras below and above: of hemispheres, then of single directions
   CloudMarchPass march;
   gpu::GraphExecutor executor;
   std::vector<View> directions;
@@ -222,12 +235,14 @@ SlabLight MarchedSlabs::Parts::solve(const Slab& slab) {
   for (const bool above : {false, true}) {
     CloudParams params = slab_clouds(slab);
     params.multiple_scattering = clouds.params().multiple_scattering;
-    light[above].renew(params);
+    light[above ? 1 : 0].renew(params);
+    light[above ? 3 : 2].renew(params);
     shared::CloudConstants constants = slab_constants(clouds, slab);
     constants.anchor = clouds.anchor(camera_ecef(above), 0.0);
     density[above] = {.constants = graph.constants("clouds.constants", constants), .weather = weather, .noise = noise};
   }
   const vec3 sun_dir = vec3(slab.mu0 * kUp - std::sqrt(std::max(1.0 - slab.mu0 * slab.mu0, 0.0)) * kEast);
+  const glm::uvec2 narrow_size{kDirectionSize.width, kDirectionSize.height};
   std::vector<ImageRef> lights;
   for (const View* view : views) {
     FrameInfo frame;
@@ -237,8 +252,8 @@ SlabLight MarchedSlabs::Parts::solve(const Slab& slab) {
     frame.camera_ecef_m = camera_ecef(view->above);
     frame.buffer = graph.constants("frame", frame.constants);
     const ImageRef depth_m = graph.import(view->depth_m);
-    const CloudLight::Refs traced =
-        light[view->above].add(graph, frame, {.depth_m = depth_m, .density = density[view->above]});
+    const CloudLight::Refs traced = light[(view->above ? 1 : 0) + (view->constants.size == narrow_size ? 2 : 0)].add(
+        graph, frame, {.depth_m = depth_m, .density = density[view->above]});
     lights.push_back(march.add_march(graph, frame, depth_m, density[view->above], traced).light);
     graph.keep(lights.back());
   }
