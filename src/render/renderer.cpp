@@ -19,6 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 /// Time that a frame gives to tables of changed parameters, about.
 constexpr double kAtmosphereSlice_ms = 5.0;
+constexpr float kFroxelsBelow_m = 30e3f;  ///< cameras that light shafts by froxels of themselves
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -228,7 +229,11 @@ RenderResult Renderer::render(const RenderRequest& request) {
           graph, frame, {.depth_m = out.terrain.depth_m, .atmosphere = atmosphere, .density = density, .light = light});
       out.cloud_info = marched.info;
     }
-    const ShaftMethod method = shaft_method(scene_.shafts, scene_.render.quality);
+    ShaftMethod method = shaft_method(scene_.shafts, scene_.render.quality);
+    // A frustum grid's cells are too long for the limb.
+    if (scene_.shafts.method == "auto" && method == ShaftMethod::froxel &&
+        frame.constants.planet.camera_height_m > kFroxelsBelow_m)
+      method = ShaftMethod::shadow_length;
     const FroxelRefs froxels = method == ShaftMethod::froxel
                                    ? p.shafts.add_froxels(graph, frame, scene_.shafts, scene_.haze, method, air, false)
                                    : FroxelRefs{};

@@ -70,7 +70,7 @@ void describe(FieldVisitor& v, ShaftParams& p) {
   v.leaf({.name = "method",
           .doc = "how the air in the shade of clouds is found: shadow-length marches every ray; froxel fills a grid of "
                  "the frustum; screen blurs the picture away from the sun; auto: shadow-length at quality high and "
-                 "ultra, froxel at medium, screen at low",
+                 "ultra, froxel at medium (above 30 km shadow-length), screen at low",
           .term = "crepuscular rays; volumetric lighting (froxel: Wronski 2014; screen: Mitchell 2007)",
           .other_names = "lightShafts",
           .choices = {"auto", "none", "shadow-length", "froxel", "screen"}},
