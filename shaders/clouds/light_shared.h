@@ -15,6 +15,8 @@ struct LightCells {
   float growth;
   float log2_ratio;  // log2(1 + growth)
   uint stride_px;    // of the pixels whose rays say which cells are seen
+  float smooth_m;      // cells share paths within this,
+  float smooth_paths;  // and within so many free paths of the scaled medium
 };
 
 // The density grid: nested maps of columns, cut into slices of height within the bands that hold layers.

@@ -16,8 +16,7 @@ layout(scalar, set = 0, binding = 3) readonly buffer ListBlock { uint at[]; } li
 layout(set = 0, binding = 4) uniform sampler3D in_cells;
 layout(set = 0, binding = 5, rgba16f) uniform writeonly image3D out_cells;
 
-const float kSmooth_m = 70.0;    // light inside clouds hardly changes within this,
-const float kSmoothPaths = 0.5;  // nor within so many free paths of the scaled medium
+layout(push_constant, scalar) uniform PushBlock { int stride; } push;  // of the cells that are averaged
 
 void main() {
   uint item = gl_GlobalInvocationID.x;
@@ -36,12 +35,12 @@ void main() {
   float above_m, below_m;
   int band = grid_band(grid, here.height_m, above_m, below_m);
   float sigma_per_m = band >= 0 ? (1.0 - light.data.forward_albedo) * grid_read(grid, band, here).x : 0.0;
-  vec3 spread = vec3(across_m, slice_m) / min(kSmooth_m, kSmoothPaths / max(sigma_per_m, 1.0e-6));
+  vec3 spread = float(push.stride) * vec3(across_m, slice_m) / min(cells.smooth_m, cells.smooth_paths / max(sigma_per_m, 1.0e-6));
   vec3 side = exp(-0.5 * spread * spread);  // weights of the next cells along each axis
   vec4 sum = vec4(0.0);
   for (int n = 0; n < 27; ++n) {
     ivec3 d = ivec3(n % 3, (n / 3) % 3, n / 9) - 1;
-    ivec3 there = at + d;
+    ivec3 there = at + push.stride * d;
     vec3 w = mix(vec3(1.0), side, abs(vec3(d)));
     if (all(greaterThanEqual(there, ivec3(0))) && all(lessThan(there, size))) sum += (w.x * w.y * w.z) * texelFetch(in_cells, there, 0);
   }

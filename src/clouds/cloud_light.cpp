@@ -5,6 +5,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <utility>
 
 #include "clouds/beam_table.h"
 #include "clouds/cloud_bounds.h"
@@ -12,6 +13,7 @@
 #include "clouds/cloud_grid_most.comp.h"
 #include "clouds/cloud_grid_sun.comp.h"
 #include "clouds/light_gather.comp.h"
+#include "clouds/light_ground_smooth.comp.h"
 #include "clouds/light_list.comp.h"
 #include "clouds/light_mark.comp.h"
 #include "clouds/light_sky.comp.h"
@@ -37,6 +39,8 @@ shared::LightCells cells_for(Extent2D extent, const CloudLight::Quality& quality
   c.first_m = first_m;
   c.growth = kGrowths / static_cast<float>(c.slices);
   c.log2_ratio = std::log2(1.0f + c.growth);
+  c.smooth_m = quality.smooth_m;
+  c.smooth_paths = quality.smooth_paths;
   c.stride_px = std::max(1u, static_cast<uint32_t>(px / 2.0));
   return c;
 }
@@ -67,7 +71,10 @@ CloudLight::Quality CloudLight::quality_of(const std::string& preset) {
             .grid_texels = 96,
             .grid_slices = 24,
             .slices = 192,
-            .first_m = 50.0f};
+            .first_m = 50.0f,
+            .smooth_m = 140.0f,
+            .smooth_paths = 3.0f,
+            .smooth_passes = 2};
   return {};
 }
 
@@ -84,6 +91,7 @@ CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds, uint32_t spect
       gather_(device, {.name = "clouds.light_gather", .spirv = light_gather_comp, .constants = {0}}),
       gather_ground_(device, {.name = "clouds.light_ground", .spirv = light_gather_comp, .constants = {1}}),
       smooth_(device, {.name = "clouds.light_smooth", .spirv = light_smooth_comp}),
+      smooth_ground_(device, {.name = "clouds.light_ground_smooth", .spirv = light_ground_smooth_comp}),
       sky_(device, {.name = "clouds.light_sky", .spirv = light_sky_comp, .constants = {spectral_groups}}) {
   beam_ = device.create_image(
       {.name = "clouds.beam", .extent = {shared::kBeamTexels, shared::kBeamOrders / 4}, .format = Format::rgba32f});
@@ -306,21 +314,37 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
     const gpu::ComputePipeline& pipeline = terrain ? shaded : surface ? gather_ground_ : gather_;
     gather.record([&pipeline, threads](gpu::Commands& cmd) { cmd.bind(pipeline).dispatch_threads(threads); });
   }
-  auto smooth = graph.pass("clouds.light_smooth");
-  smooth.uniform("frame", frame.buffer)
+  const ImageRef even_ground =
+      graph.create("clouds.light_even_ground", {.extent = {cells.nodes.x, cells.nodes.y}, .format = Format::rgba32f});
+  auto even = graph.pass("clouds.light_ground_smooth");
+  even.uniform("frame", frame.buffer)
       .uniform("light", data)
-      .read("work", work)
-      .read("list", list)
-      .sample("in_cells", traced, Sampler::nearest_clamp)
-      .sample("grid_tex", grid)
-      .sample("most_tex", graph.import(most_), Sampler::nearest_clamp)
-      .write("out_cells", out);
-  smooth.record([this, words](gpu::Commands& cmd) { cmd.bind(smooth_).dispatch_threads(words * 32); });
+      .sample("in_ground", ground, Sampler::nearest_clamp)
+      .write("out_ground", even_ground);
+  even.record(
+      [this, nodes = cells.nodes](gpu::Commands& cmd) { cmd.bind(smooth_ground_).dispatch_threads(nodes.x, nodes.y); });
+  // Each mean spreads twice as far as the one before.
+  ImageRef from = traced, to = out;
+  for (uint32_t i = 0; i < quality_.smooth_passes; ++i) {
+    if (i > 0) std::swap(from, to);
+    auto smooth = graph.pass("clouds.light_smooth");
+    smooth.uniform("frame", frame.buffer)
+        .uniform("light", data)
+        .read("work", work)
+        .read("list", list)
+        .sample("in_cells", from, Sampler::nearest_clamp)
+        .sample("grid_tex", grid)
+        .sample("most_tex", graph.import(most_), Sampler::nearest_clamp)
+        .write("out_cells", to);
+    smooth.record([this, words, stride = int32_t{1} << i](gpu::Commands& cmd) {
+      cmd.bind(smooth_).push(stride).dispatch_threads(words * 32);
+    });
+  }
   return {.data = data,
           .grid = grid,
           .most = graph.import(most_),
-          .cells = out,
-          .ground = ground,
+          .cells = to,
+          .ground = even_ground,
           .nodes = cells.nodes,
           .terrain_shadow = terrain_shadow,
           .terrain_map = terrain_map,

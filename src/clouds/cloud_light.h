@@ -25,6 +25,9 @@ class CloudLight {
     uint32_t slices = 384;       ///< of cells along a ray, a multiple of 32
     float first_m = 25.0f;       ///< length of the first of them, at most
     float first_paths = 0.0f;    ///< 0, or its length in free paths of the densest cloud, at most
+    float smooth_m = 70.0f;      ///< cells share paths within this,
+    float smooth_paths = 0.5f;   ///< and within so many free paths of the scaled medium,
+    uint32_t smooth_passes = 1;  ///< by means of 27 of them so many times
     bool all_around = false;     ///< the grid has what the camera does not see, too: kept when it turns
   };
   /// Of a preset: medium, high, ultra.
@@ -82,7 +85,7 @@ class CloudLight {
   std::array<gpu::ComputePipeline, 2> bake_;  ///< by phases - 1
   gpu::ComputePipeline sun_;
   std::array<gpu::ComputePipeline, 3> spread_;  ///< by axis
-  gpu::ComputePipeline mark_, list_, gather_, gather_ground_, smooth_, sky_;
+  gpu::ComputePipeline mark_, list_, gather_, gather_ground_, smooth_, smooth_ground_, sky_;
   std::array<gpu::ComputePipeline, 2> gather_terrain_;  ///< the two among terrain, made when a frame needs them
   gpu::Image extinction_, grid_, most_, beam_, no_albedo_, no_height_, none_, even_sky_;
   float forward_share_ = 0.0f, wide_g_ = 0.0f, albedo_ = 1.0f, first_m_ = 0.0f;

@@ -169,7 +169,7 @@ shared::CloudConstants slab_constants(const Clouds& clouds, const Slab& slab) {
 }
 
 /// The layer is the same everywhere: few columns do, and light fades within metres of the faces of the densest.
-constexpr CloudLight::Quality kSlabLight{.paths = 2,
+constexpr CloudLight::Quality kSlabLight{.paths = 4,
                                          .node_px = 1,
                                          .grid_texels = 16,
                                          .grid_slices = 512,
