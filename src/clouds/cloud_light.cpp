@@ -72,8 +72,8 @@ CloudLight::Quality CloudLight::quality_of(const std::string& preset) {
             .grid_slices = 24,
             .slices = 192,
             .first_m = 50.0f,
-            .smooth_m = 140.0f,
-            .smooth_paths = 3.0f,
+            .smooth_m = 100.0f,
+            .smooth_paths = 1.0f,
             .smooth_passes = 2};
   return {};
 }

@@ -62,8 +62,8 @@ TEST_CASE("gpu: light in cumulus and under an overcast is near the path tracer's
     const Errors cells = errors_of(f.device, name, "cells"), octaves = errors_of(f.device, name, "octaves");
     MESSAGE(name, ": cells ", 100.0 * cells.mean, " %, bias ", 100.0 * cells.bias, " %; octaves ", 100.0 * octaves.mean,
             " %, bias ", 100.0 * octaves.bias, " %");
-    CHECK(cells.mean < 0.15);
-    CHECK(std::abs(cells.bias) < 0.08);
+    CHECK(cells.mean < 0.16);
+    CHECK(std::abs(cells.bias) < 0.09);
     CHECK(octaves.mean > 2.0 * cells.mean);
   }
 }
