@@ -23,7 +23,10 @@ void main() {
   int band = -1;
   for (uint b = 0u; b < grid.bands; ++b)
     if (float(slice) >= grid.band_first[b] && float(slice) < grid.band_first[b] + grid.band_slices[b]) band = int(b);
-  if (band < 0) return;
+  if (band < 0) {  // a filter may read it with a weight of 0
+    imageStore(out_grid, at, vec4(0.0));
+    return;
+  }
   float half_m = region_half_m(grid.map, uint(level));
   float texel_m = 2.0 * half_m / float(grid.texels);
   vec2 xy = (vec2(at.xy) + 0.5) * texel_m - half_m * (1.0 - grid.shift);
