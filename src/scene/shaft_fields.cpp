@@ -85,7 +85,8 @@ void describe(FieldVisitor& v, ShaftParams& p) {
           .other_names = "maxShadowLengthIterationCount"},
          &p.steps);
   v.leaf({.name = "downscale",
-          .doc = "side of the blocks of pixels that share a ray, of shadow-length and screen",
+          .doc = "side of the blocks of pixels that share a ray, of shadow-length and screen; less where that is more "
+                 "than half a degree",
           .unit = "px",
           .range = closed(1, 8)},
          &p.downscale);

@@ -28,23 +28,28 @@ TerrainSources wall() {
   return sources;
 }
 
-/// Seen along the wall from 4 km west of it, at a height above the ellipsoid; the sun is 6 degrees high behind the
-/// wall, whose shadow is some 680 m high there.
-Scene along_wall(double height_m, bool shadows) {
+/// The wall at sunrise, the sun 6 degrees high in the east behind it, from a place and a height above the ellipsoid.
+Scene by_the_wall(double lat_deg, double lon_deg, double height_m, double fov_deg, bool shadows) {
   Scene scene;
   scene.time = "2026-03-20T05:10:00Z";
-  scene.camera.lat_deg = -0.04;
-  scene.camera.lon_deg = kWallFrom_deg - 0.036;
+  scene.camera.lat_deg = lat_deg;
+  scene.camera.lon_deg = lon_deg;
   scene.camera.height_m = height_m;
-  scene.camera.heading_deg = 0.0;
-  scene.camera.pitch_deg = 0.0;
-  scene.camera.fov_deg = 2.0;
+  scene.camera.fov_deg = fov_deg;
   scene.clouds.coverage = 0.0;
   scene.atmosphere.spectral = "fast";
   scene.atmosphere.scattering_orders = 2;
-  scene.night_sky.stars = false;
   scene.terrain.default_earth = false;
   scene.terrain.shadows = shadows;
+  return scene;
+}
+
+/// Seen along the wall from 4 km west of it, where its shadow is some 680 m high.
+Scene along_wall(double height_m, bool shadows) {
+  Scene scene = by_the_wall(-0.04, kWallFrom_deg - 0.036, height_m, 2.0, shadows);
+  scene.camera.heading_deg = 0.0;
+  scene.camera.pitch_deg = 0.0;
+  scene.night_sky.stars = false;
   scene.render.width = 16;
   scene.render.height = 4;
   return scene;
@@ -68,18 +73,8 @@ double share_left(GpuFixture& gpu, double height_m, const char* name, const std:
 }
 
 ImageBuffer picture_of(GpuFixture& gpu, bool shadows) {
-  Scene scene;
-  scene.time = "2026-03-20T05:10:00Z";  // the sun in the east, 6 degrees high
-  scene.camera.lat_deg = 0.0;
-  scene.camera.lon_deg = 20.03;  // 8 km west of the wall; the picture is 12 km wide
-  scene.camera.height_m = 12e3;
+  Scene scene = by_the_wall(0.0, 20.03, 12e3, 5.0, shadows);  // 8 km west of the wall; the picture is 12 km wide
   scene.camera.pitch_deg = -90.0;
-  scene.camera.fov_deg = 5.0;
-  scene.clouds.coverage = 0.0;
-  scene.atmosphere.spectral = "fast";
-  scene.atmosphere.scattering_orders = 2;
-  scene.terrain.default_earth = false;
-  scene.terrain.shadows = shadows;
   scene.shafts.method = "none";  // air is another test's
   scene.render.width = 96;
   scene.render.height = 8;
