@@ -174,6 +174,7 @@ constexpr CloudLight::Quality kSlabLight{.paths = 4,
                                          .grid_texels = 16,
                                          .grid_slices = 512,
                                          .finest_half_m = 64e3f,
+                                         .first_m = 2.0f,
                                          .first_paths = 0.25f,
                                          .all_around = true};
 /// Frames of one direction need few nodes; but no others share their noise.
