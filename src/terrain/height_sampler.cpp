@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "geo/geodetic.h"
+#include "terrain/imagery_sampler.h"
 #include "terrain/raster_window.h"
 
 namespace nepho {
@@ -205,6 +206,34 @@ void HeightSampler::land_field_m(std::span<const double> lat_deg, std::span<cons
     if (field.stack_weight[i] < 0.5f) land = 1000.0;
     out[i] = static_cast<float>(land);
   }
+  if (!water_mask_) return;
+  // NaN spreads to every place that the mask does not cover wholly.
+  std::vector<float> rgbx(count * 4, std::numeric_limits<float>::quiet_NaN());
+  lay_over(*water_mask_, water_mask_->reduction_for(spacing_deg), lat_deg, lon_deg, rgbx.data());
+  for (size_t i = 0; i < count; ++i)
+    if (!std::isnan(rgbx[4 * i])) out[i] = 127.5f - rgbx[4 * i];
+}
+
+HeightSampler::Origin HeightSampler::origin_at(double lat_deg, double lon_deg) const {
+  const double lat[] = {lat_deg}, lon[] = {canonical_lon_deg(lon_deg)}, spacing_deg = vertex_spacing_deg(kMaxTileLevel);
+  Field field;
+  const double undulation[] = {undulation_m(lat_deg, lon[0])};
+  sample_stack(lat, lon, spacing_deg, undulation, field);
+  Origin origin{.sea = is_sea(field, 0)};
+  std::vector<double> value;
+  std::vector<float> weight;
+  float left = 1.0f, largest = 0.0f;  // what the layers above let through
+  for (size_t l = layers_.size(); l-- > 0 && left > largest;) {
+    if (!sample_layer(*layers_[l], lat, lon, layers_[l]->reduction_for(spacing_deg), value, weight)) continue;
+    const float share = left * weight[0];
+    if (share > largest) {
+      largest = share;
+      origin.layer = static_cast<int>(l);
+    }
+    left -= share;
+  }
+  if (left > largest) origin.layer = -1;  // the plain ellipsoid has most
+  return origin;
 }
 
 void HeightSampler::slopes(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,

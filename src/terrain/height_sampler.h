@@ -29,12 +29,18 @@ struct Slope {
 /// beyond its last one, what lies below shows, blended by the bilinear weight of the valid pixels. Heights above EGM96
 /// get the geoid's undulation. Sea is where both the default data and the stack are at or below 0: there the surface is
 /// the geoid. Without default data the stack decides alone.
+///
+/// Water is the sea, or what a mask says: it changes what the ground is made of, never its height.
 class HeightSampler {
  public:
   HeightSampler(std::vector<std::shared_ptr<Raster>> elevation, bool has_default, std::shared_ptr<const Geoid> geoid);
 
   HeightSampler(const HeightSampler&) = delete;
   HeightSampler& operator=(const HeightSampler&) = delete;
+
+  /// A picture of water, white (from 128 of 255), and land: decides where it has data; elsewhere the sea is water. Call
+  /// before anything is sampled.
+  void set_water_mask(std::shared_ptr<Raster> mask) { water_mask_ = std::make_unique<BlockCache>(std::move(mask)); }
 
   /// Height above the ellipsoid, m, with the rasters reduced to suit the vertices of `level`.
   double height_m(double lat_rad, double lon_rad, uint32_t level) const;
@@ -46,14 +52,23 @@ class HeightSampler {
   /// geoid is missing. Cheaper than heights_m(); poles are not treated.
   void drawn_msl_m(std::span<const double> lat_deg, std::span<const double> lon_deg, uint32_t level, double* out) const;
 
-  /// Positive on land, at most 0 on the sea, continuous: the higher of the default data and the stack, m above the
-  /// geoid. Everything is land where no raster has data.
+  /// Positive on land, at most 0 on water, continuous: the higher of the default data and the stack, m above the geoid;
+  /// everything is land where no raster has data. Within a water mask its levels below 127.5.
   void land_field_m(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
                     float* out) const;
 
   /// Slope of the ground (the sea bed included), smoothed over one pixel of the raster it comes from, so that it is
   /// continuous although the heights are bilinear.
   void slopes(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg, Slope* out) const;
+
+  /// What decides the height at a place, at full resolution.
+  struct Origin {
+    int layer = -1;    ///< of the stack, bottom 0: the raster with the largest share; -1 where none has data
+    bool sea = false;  ///< its number is at or below 0, and the surface is the geoid
+  };
+  Origin origin_at(double lat_deg, double lon_deg) const;
+  size_t layers() const { return layers_.size(); }
+  const RasterInfo& layer_info(size_t layer) const { return layers_[layer]->info(); }
 
   /// Geoid above the ellipsoid, m; 0 without a geoid.
   double undulation_m(double lat_deg, double lon_deg) const;
@@ -79,6 +94,7 @@ class HeightSampler {
   void find_range();
 
   std::vector<std::unique_ptr<BlockCache>> layers_;  // bottom first
+  std::unique_ptr<BlockCache> water_mask_;           // may be null
   bool has_default_ = false;
   std::shared_ptr<const Geoid> geoid_;
   bool needs_undulation_ = false;  // some raster is above the ellipsoid

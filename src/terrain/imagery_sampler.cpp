@@ -24,6 +24,16 @@ Colour load_grey(const float* p) { return Colour{p[0], p[0], p[0], 0.0f}; }
 
 }  // namespace
 
+float ice_field(const float* rgb, double lat_deg) {
+  // The darkest ice of the Blue Marble, old and wet, has about 150 of 255 in red; its palest shoals 100. What is left
+  // of colour: a fifth of the brightest band.
+  constexpr float kDarkest = 140.0f, kMostSaturation = 0.2f, kRampDegrees = 5.0f;
+  const auto [low, high] = std::minmax({rgb[0], rgb[1], rgb[2]});
+  const auto beyond = static_cast<float>(std::abs(lat_deg) - kLeastIceLatitude_deg);
+  const float darkest = kDarkest + (256.0f - kDarkest) * std::clamp(1.0f - beyond / kRampDegrees, 0.0f, 1.0f);
+  return std::min(low - darkest, kMostSaturation * high - (high - low));
+}
+
 RasterCoverage lay_over(const BlockCache& raster, uint32_t reduction, std::span<const double> lat_deg,
                         std::span<const double> lon_deg, float* rgbx) {
   const RasterAxis x = columns_at(raster, reduction, lon_deg), y = rows_at(raster, reduction, lat_deg);
@@ -74,8 +84,8 @@ bool overlaps(const LonLatBounds& b, const TileBounds& t) {
   return false;
 }
 
-/// Marks a block's texels that are not surely land: those in the sea of `ground` or next to it, as pictures bleed over
-/// their coasts.
+/// Marks a block's texels that are not surely land: those on water of `ground` or next to it, as pictures bleed over
+/// their coasts. Ice counts as land.
 std::vector<uint8_t> land_of(const RasterInfo& info, const HeightSampler& ground, const RasterBlock& block,
                              uint32_t reduction, uint32_t bx, uint32_t by) {
   const double step = std::ldexp(1.0, static_cast<int>(reduction));
@@ -94,6 +104,12 @@ std::vector<uint8_t> land_of(const RasterInfo& info, const HeightSampler& ground
     for (size_t x = 0; x < block.width; ++x)
       for (size_t n = 0; n < 9; ++n)
         if (field[(y + n / 3) * lon.size() + x + n % 3] <= 0.0f) land[y * block.width + x] = 0;
+  if (info.bands < 3) return land;
+  for (size_t y = 0; y < block.height; ++y) {
+    if (std::abs(lat[y + 1]) < kLeastIceLatitude_deg) continue;
+    for (size_t p = y * block.width; p < (y + 1) * block.width; ++p)
+      if (block.valid[p] && ice_field(&block.values[p * info.bands], lat[y + 1]) > 0.0f) land[p] = 1;
+  }
   return land;
 }
 
@@ -156,18 +172,42 @@ ImagerySampler::ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, con
     : bare_srgb_(srgb_255(bare_albedo)) {
   for (auto& raster : imagery) {
     BlockCache::Filter filter;
-    if (layers_.empty() && raster->info().wraps && ground.default_data())
+    if (layers_.empty() && raster->info().wraps && ground.default_data()) {
+      bottom_as_it_is_ = std::make_unique<BlockCache>(raster);
       filter = [info = raster->info(), &ground](RasterBlock& block, uint32_t reduction, uint32_t bx, uint32_t by) {
         spread_land(block, land_of(info, ground, block, reduction, bx, by), info.bands);
       };
+    }
     layers_.push_back(std::make_unique<BlockCache>(std::move(raster), BlockCache::kBudgetBytes, std::move(filter)));
+  }
+}
+
+void ImagerySampler::lay_all(const BlockCache* bottom, std::span<const double> lat_deg, std::span<const double> lon_deg,
+                             double spacing_deg, float* rgbx) const {
+  for (const auto& layer : layers_) {
+    const BlockCache& from = bottom && layer == layers_.front() ? *bottom : *layer;
+    lay_over(from, from.reduction_for(spacing_deg), lat_deg, lon_deg, rgbx);
   }
 }
 
 void ImagerySampler::colours(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
                              float* rgbx) const {
   std::fill_n(rgbx, lat_deg.size() * lon_deg.size() * 4, bare_srgb_);
-  for (const auto& layer : layers_) lay_over(*layer, layer->reduction_for(spacing_deg), lat_deg, lon_deg, rgbx);
+  lay_all(nullptr, lat_deg, lon_deg, spacing_deg, rgbx);
+}
+
+void ImagerySampler::ice(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
+                         float* out) const {
+  constexpr float kSurelyNone = -256.0f;
+  const size_t columns = lon_deg.size();
+  std::fill_n(out, lat_deg.size() * columns, kSurelyNone);
+  const auto may_be = [](double lat) { return std::abs(lat) > kLeastIceLatitude_deg; };
+  if (layers_.empty() || std::none_of(lat_deg.begin(), lat_deg.end(), may_be)) return;
+  std::vector<float> rgbx(lat_deg.size() * columns * 4, 0.0f);  // nothing is not ice, however bright bare ground is
+  lay_all(bottom_as_it_is_.get(), lat_deg, lon_deg, spacing_deg, rgbx.data());
+  for (size_t j = 0; j < lat_deg.size(); ++j)
+    for (size_t i = 0; i < columns && may_be(lat_deg[j]); ++i)
+      out[j * columns + i] = ice_field(&rgbx[(j * columns + i) * 4], lat_deg[j]);
 }
 
 double ImagerySampler::finest_pixel_deg(const TileBounds& tile) const {

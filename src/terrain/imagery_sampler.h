@@ -18,12 +18,19 @@ enum class RasterCoverage { none, some, all };
 RasterCoverage lay_over(const BlockCache& raster, uint32_t reduction, std::span<const double> lat_deg,
                         std::span<const double> lon_deg, float* rgbx);
 
+/// How surely a colour (sRGB, 0..255) over water is ice and not water: positive for ice, continuous. Ice is bright and
+/// hardly coloured, and lies beyond 45 degrees of latitude: nearer to the equator what is white over the sea are
+/// clouds.
+float ice_field(const float* rgb, double lat_deg);
+/// Nearer to the equator than this there is no ice on water, degrees.
+inline constexpr double kLeastIceLatitude_deg = 45.0;
+
 /// Colours from a stack of imagery rasters, bottom first; no data shows what lies below, and below everything is an
 /// even grey.
 ///
 /// The bottom raster, where it spans the globe, knows no coast finer than its own texels: its ocean colours would rim
-/// the land. Its texels in the sea or next to it are therefore painted over with the land's colours around them, block
-/// by block.
+/// the land. Its texels on water or next to it are therefore painted over with the land's colours around them, block
+/// by block; those that show ice keep theirs.
 class ImagerySampler {
  public:
   /// `ground` says what is sea; it must outlive this object. `bare_albedo`: of the grey below everything, 0..1.
@@ -31,12 +38,17 @@ class ImagerySampler {
 
   /// sRGB colours, 0..255, four floats a place (the fourth is unused), row by row.
   void colours(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg, float* rgbx) const;
+  /// ice_field() of the pictures as they are; the least there is where nothing can be ice.
+  void ice(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg, float* out) const;
   /// Pixel size in degrees of the finest raster that overlaps a tile; infinity without any.
   double finest_pixel_deg(const TileBounds& tile) const;
   uint64_t blocks_read() const;
 
  private:
+  void lay_all(const BlockCache* bottom, std::span<const double> lat_deg, std::span<const double> lon_deg,
+               double spacing_deg, float* rgbx) const;
   std::vector<std::unique_ptr<BlockCache>> layers_;
+  std::unique_ptr<BlockCache> bottom_as_it_is_;  // where the bottom layer is painted over; null otherwise
   float bare_srgb_;
 };
 

@@ -69,6 +69,7 @@ Terrain::Terrain(gpu::Device& device, TerrainSources sources, const TerrainParam
       imagery_(std::move(sources.imagery), ground_, sources.bare_albedo),
       builder_(ground_, imagery_, Ellipsoid::wgs84()),
       metas_(builder_) {
+  if (sources.water_mask) ground_.set_water_mask(std::move(sources.water_mask));
   raster_pipeline_ = gpu::GraphicsPipeline(device_, {.name = "terrain.raster",
                                                      .vertex_spirv = terrain_vert,
                                                      .fragment_spirv = terrain_frag,

@@ -24,6 +24,7 @@ struct TerrainSources {
   bool has_default = false;                        ///< elevation[0] is the default Earth, which says what is sea
   std::vector<std::shared_ptr<Raster>> imagery;    ///< bottom first
   std::shared_ptr<Raster> night_lights;            ///< city lights on black; may be null
+  std::shared_ptr<Raster> water_mask = nullptr;    ///< white: water (HeightSampler::set_water_mask); may be null
   std::shared_ptr<const Geoid> geoid;              ///< null: mean sea level is the ellipsoid
   double bare_albedo = 0.2;                        ///< of ground without imagery, 0..1
 };
