@@ -10,6 +10,7 @@
 #include "scene/places.h"
 #include "scene/scene_json.h"
 #include "scene/scene_validate.h"
+#include "scene/source_text.h"
 
 namespace nepho {
 
@@ -41,7 +42,13 @@ constexpr Flag kFlags[] = {
     {"--frames", "N", "render.frames"},
     {"--noise", "SHARE", "render.noise"},
     {"--seed", "N", "render.seed"},
+    {"--water-mask", "FILE", "terrain.water_mask"},
+    {"--host-budget", "MB", "terrain.host_budget_mb"},
+    {"--gpu-budget", "MB", "terrain.gpu_budget_mb"},
+    {"--disk-cache", "MB", "terrain.disk_cache_mb"},
 };
+
+constexpr const char* kUnderground = "--allow-underground";
 
 /// Parameters that options of several parts set.
 const std::map<std::string, std::string> kParts = {
@@ -70,7 +77,7 @@ std::string help_of(const Flag& flag) {
   Field field = parameter_field(flag.path);
   field.doc.erase(std::min(field.doc.find("; null:"), field.doc.size()));  // what JSON has for "not given"
   if (!field.choices.empty()) return fmt::format("{}: {}", field.doc, fmt::join(field.choices, ", "));
-  if (field.text == TextKind::utc) return field.doc;
+  if (field.text != TextKind::plain) return field.doc;
   return fmt::format("{} ({})", field.doc, field.range.text(field.unit));
 }
 
@@ -129,8 +136,15 @@ void SceneOptions::add_to(CLI::App& command) {
   add_text(command, "--atmosphere", "NAME",
            fmt::format("clear air, instead of the scene's: {}", fmt::join(atmosphere_preset_names(), ", ")));
   add_text(command, "--exposure", "EV|auto", "exposure of PNG pictures at ISO 100");
-  add_repeated(command, "--terrain", terrain_, "FILE", "elevation raster over the default Earth; may be repeated");
-  add_repeated(command, "--imagery", imagery_, "FILE", "imagery raster over the default Earth; may be repeated");
+  add_repeated(command, "--terrain", terrain_, "PATH[,KEY=VALUE]...",
+               "elevation over the default Earth, later over earlier: file, folder, tiles with {z}/{x}/{y}, GDAL "
+               "connection. Keys: opacity, vertical_datum=auto|ellipsoid|egm96, vertical_scale, "
+               "encoding=auto|none|terrarium|mapbox, order, min_zoom, max_zoom; may be repeated");
+  add_repeated(command, "--imagery", imagery_, "PATH[,KEY=VALUE]...",
+               "imagery, in the same way. Keys: opacity, gamma, albedo_scale, stretch=auto|none|BLACK:WHITE, order, "
+               "min_zoom, max_zoom; may be repeated");
+  options_[kUnderground] = command.add_flag_function(
+      kUnderground, [](int64_t) {}, "leave a camera that is under the ground there");
   add_text(command, "--sky", "NAME",
            fmt::format("clouds and their weather, instead of the scene's: {}", fmt::join(cloud_sky_names(), ", ")));
   add_text(command, "--weather", "FILE",
@@ -218,8 +232,9 @@ Scene SceneOptions::scene() const {
     scene.render.exposure_ev100.reset();
     if (exposure != "auto") scene.render.exposure_ev100 = parse_number(exposure, "--exposure");
   }
-  scene.terrain.elevation.insert(scene.terrain.elevation.end(), terrain_.begin(), terrain_.end());
-  scene.imagery.files.insert(scene.imagery.files.end(), imagery_.begin(), imagery_.end());
+  for (const std::string& text : terrain_) scene.terrain.elevation.push_back(parse_elevation_source(text, "--terrain"));
+  for (const std::string& text : imagery_) scene.imagery.files.push_back(parse_imagery_source(text, "--imagery"));
+  if (count(kUnderground) > 0) scene.camera.allow_underground = true;
   RenderParams& render = scene.render;
   if (render.quality == "reference") {
     // Neither a number of paths nor a noise: one that shows little on a screen.
@@ -233,9 +248,20 @@ Scene SceneOptions::scene() const {
 }
 
 void require_inputs(const Scene& scene) {
+  namespace fs = std::filesystem;
   for (const std::string& file : local_files(scene)) {
+    // Of tiles, "dir/{z}/{x}/{y}.png", the folder that holds them.
+    const size_t brace = file.find('{');
+    const fs::path place = brace == std::string::npos ? fs::path(file) : fs::path(file.substr(0, brace)).parent_path();
+    if (place.empty()) continue;
     std::error_code ec;
-    if (!std::filesystem::exists(file, ec)) throw fail(ErrorKind::input, "{}: no such file", file);
+    const fs::file_status status = fs::status(place, ec);
+    if (!fs::exists(status) && !fs::exists(file, ec))
+      throw fail(ErrorKind::input, "{}: no such {}", file,
+                 brace == std::string::npos ? "file" : "file, and no such folder of tiles");
+    // Reading these could wait for ever.
+    if (fs::is_fifo(status) || fs::is_socket(status) || fs::is_character_file(status) || fs::is_block_file(status))
+      throw fail(ErrorKind::input, "{}: is a pipe or device; give a file", file);
   }
 }
 

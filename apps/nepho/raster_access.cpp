@@ -8,8 +8,8 @@ namespace {
 
 class RefusingOpener final : public RasterOpener {
  public:
-  std::shared_ptr<Raster> open_elevation(const std::string& path) const override { refuse(path); }
-  std::shared_ptr<Raster> open_imagery(const std::string& path) const override { refuse(path); }
+  std::shared_ptr<Raster> open_elevation(const std::string& path, const RasterReading&) const override { refuse(path); }
+  std::shared_ptr<Raster> open_imagery(const std::string& path, const RasterReading&) const override { refuse(path); }
   std::shared_ptr<Raster> open_weather(const std::string& path) const override { refuse(path); }
   std::shared_ptr<Raster> open_tile(const std::string& path) const override { refuse(path); }
 

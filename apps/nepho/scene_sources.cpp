@@ -1,5 +1,7 @@
 #include "nepho/scene_sources.h"
 
+#include <algorithm>
+
 #include "base/log.h"
 #include "io/mapped_raster.h"
 
@@ -11,12 +13,44 @@ namespace {
 // albedo near 0.03 0.04 0.02 and its Sahara (200 170 120) to 0.48 0.34 0.17, as MODIS has them.
 constexpr float kBlueMarbleOffset = 0.02f, kBlueMarbleScale = 0.82f;
 
+/// A stack from bottom to top.
+template <typename Source>
+std::vector<const Source*> in_order(const std::vector<Source>& stack) {
+  std::vector<const Source*> sorted;
+  for (const Source& source : stack) sorted.push_back(&source);
+  std::ranges::stable_sort(sorted, {}, [](const Source* source) { return source->order; });
+  return sorted;
+}
+
 std::vector<std::shared_ptr<Raster>> open_elevation(const RasterOpener& opener, const Scene& scene,
                                                     const DefaultEarth& earth) {
   std::vector<std::shared_ptr<Raster>> rasters;
   if (!earth.elevation.empty()) rasters.push_back(opener.open_elevation(earth.elevation));
-  for (const std::string& file : scene.terrain.elevation) rasters.push_back(opener.open_elevation(file));
+  for (const ElevationSource* source : in_order(scene.terrain.elevation)) {
+    RasterReading how{.opacity = source->opacity,
+                      .vertical_scale = source->vertical_scale,
+                      .encoding = source->encoding,
+                      .min_zoom = source->min_zoom,
+                      .max_zoom = source->max_zoom,
+                      .timeout_s = scene.terrain.source_timeout_s};
+    if (source->vertical_datum != "auto")
+      how.vertical = source->vertical_datum == "ellipsoid" ? VerticalDatum::ellipsoid : VerticalDatum::egm96;
+    rasters.push_back(opener.open_elevation(source->path, how));
+  }
   return rasters;
+}
+
+std::shared_ptr<Raster> open_picture(const RasterOpener& opener, const ImagerySource& source, double timeout_s) {
+  RasterReading how{.opacity = source.opacity,
+                    .stretch = source.stretch.kind == Stretch::Kind::automatic,
+                    .min_zoom = source.min_zoom,
+                    .max_zoom = source.max_zoom,
+                    .timeout_s = timeout_s};
+  if (source.stretch.kind == Stretch::Kind::range) how.black_white = {source.stretch.low, source.stretch.high};
+  std::shared_ptr<Raster> raster = opener.open_imagery(source.path, how);
+  if (source.gamma == 1.0 && source.albedo_scale == 1.0) return raster;
+  return make_mapped_imagery(
+      std::move(raster), albedo_curve(0.0f, static_cast<float>(source.albedo_scale), static_cast<float>(source.gamma)));
 }
 
 std::shared_ptr<const Geoid> egm96() { return std::make_shared<const Geoid>(Geoid::egm96()); }
@@ -53,7 +87,8 @@ TerrainSources open_terrain(const RasterAccess& rasters, const Scene& scene) {
   if (!earth.imagery.empty())
     sources.imagery.push_back(
         make_mapped_imagery(opener.open_imagery(earth.imagery), albedo_curve(kBlueMarbleOffset, kBlueMarbleScale)));
-  for (const std::string& file : scene.imagery.files) sources.imagery.push_back(opener.open_imagery(file));
+  for (const ImagerySource* source : in_order(scene.imagery.files))
+    sources.imagery.push_back(open_picture(opener, *source, scene.terrain.source_timeout_s));
   if (!earth.night.empty()) sources.night_lights = opener.open_imagery(earth.night);
   sources.geoid = egm96();
   sources.bare_albedo = scene.imagery.bare_albedo;

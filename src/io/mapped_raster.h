@@ -11,7 +11,8 @@ namespace nepho {
 std::shared_ptr<Raster> make_mapped_imagery(std::shared_ptr<Raster> source, const std::array<float, 256>& curve);
 
 /// The curve that turns sRGB pictures into albedo = offset + scale * linear value: for pictures that were stretched to
-/// please, such as the Blue Marble, whose forests are black and whose deserts are white.
-std::array<float, 256> albedo_curve(float offset, float scale);
+/// please, such as the Blue Marble, whose forests are black and whose deserts are white. Before that their numbers v in
+/// 0..1 become v^(1/gamma): above 1 lightens the middle tones.
+std::array<float, 256> albedo_curve(float offset, float scale, float gamma = 1.0f);
 
 }  // namespace nepho

@@ -29,6 +29,10 @@ struct RasterInfo {
   LonLatBounds bounds;  ///< pixel edges, not centres
   bool wraps = false;   ///< spans 360 degrees: column -1 is column width - 1
   VerticalDatum vertical = VerticalDatum::egm96;  ///< elevation only
+  double opacity = 1.0;                           ///< elevation only: share of its heights where it has data, 0..1
+  /// Changes whenever the same place may give other numbers: time and size of the file, settings of RasterReading.
+  /// A copy of blocks that outlives the program belongs to path and fingerprint; empty: keep none.
+  std::string fingerprint = {};
 };
 
 /// Texels of one block, row 0 northernmost. `valid[i]` is 0 where there is no data (nodata value, alpha 0, mask).
@@ -53,6 +57,21 @@ class Raster {
   /// Block (bx, by) of the grid reduced by 2^k: pixels bx*256.. of ceil(width / 2^k). Edge blocks are smaller. Fails
   /// with one line that names the file when it cannot be read or has no such block.
   virtual Result<RasterBlock> read_block(uint32_t reduction, uint32_t bx, uint32_t by) const = 0;
+  /// Level of the source's own pyramid that a read at this reduction starts from; 0: its full size, so that the read
+  /// looks at every pixel of the source there.
+  virtual uint32_t pyramid_level(uint32_t /*reduction*/) const { return 0; }
+};
+
+/// How a raster is to be read, where it does not say so itself.
+struct RasterReading {
+  double opacity = 1.0;  ///< 0..1; of imagery it multiplies alpha, of elevation it is RasterInfo::opacity
+  std::optional<VerticalDatum> vertical;  ///< elevation; none: from the CRS, else EGM96
+  double vertical_scale = 1.0;            ///< elevation: multiplies heights
+  std::string encoding = "auto";          ///< elevation in colours: auto, none, terrarium, mapbox
+  bool stretch = true;  ///< imagery that is not 8 bits: percentiles; false: the data type's full range
+  std::optional<std::array<double, 2>> black_white;  ///< imagery: these numbers become black and white instead
+  int min_zoom = 0, max_zoom = -1;                   ///< of tiles; -1: as found, or a usual one
+  double timeout_s = 20.0;                           ///< a source on the network that does not answer has failed
 };
 
 /// Opens rasters; `rasters` implements it with GDAL, tests with arrays. Only apps know which.
@@ -61,9 +80,11 @@ class RasterOpener {
   virtual ~RasterOpener() = default;
   /// Elevation in metres, one band, raw raster values: RasterInfo::vertical says above what, the caller adds the geoid.
   /// Throws Error(input): missing file, no georeference, unknown CRS, no band.
-  virtual std::shared_ptr<Raster> open_elevation(const std::string& path) const = 0;
+  virtual std::shared_ptr<Raster> open_elevation(const std::string& path, const RasterReading& how) const = 0;
+  std::shared_ptr<Raster> open_elevation(const std::string& path) const { return open_elevation(path, {}); }
   /// Imagery as RGBA, 0..255 sRGB (grey and palettes expanded).
-  virtual std::shared_ptr<Raster> open_imagery(const std::string& path) const = 0;
+  virtual std::shared_ptr<Raster> open_imagery(const std::string& path, const RasterReading& how) const = 0;
+  std::shared_ptr<Raster> open_imagery(const std::string& path) const { return open_imagery(path, {}); }
   /// Cloud cover 0..1 by the rules of docs/weather.md: one band of total cover (grey pictures, fractions, percent), or
   /// four for the weather channels R, G, B, A (coloured pictures; A is 0 without a fourth band).
   virtual std::shared_ptr<Raster> open_weather(const std::string& path) const = 0;

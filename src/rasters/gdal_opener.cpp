@@ -14,8 +14,12 @@ namespace {
 
 class GdalOpener final : public RasterOpener {
  public:
-  std::shared_ptr<Raster> open_elevation(const std::string& path) const override { return open(path, As::elevation); }
-  std::shared_ptr<Raster> open_imagery(const std::string& path) const override { return open(path, As::imagery); }
+  std::shared_ptr<Raster> open_elevation(const std::string& path, const RasterReading&) const override {
+    return open(path, As::elevation);
+  }
+  std::shared_ptr<Raster> open_imagery(const std::string& path, const RasterReading&) const override {
+    return open(path, As::imagery);
+  }
   std::shared_ptr<Raster> open_weather(const std::string& path) const override { return open(path, As::weather); }
 
   std::shared_ptr<Raster> open_tile(const std::string& path) const override {

@@ -17,6 +17,7 @@ class GdalRaster final : public Raster {
   const RasterInfo& info() const override { return info_; }
   uint32_t reductions() const override;
   Result<RasterBlock> read_block(uint32_t reduction, uint32_t bx, uint32_t by) const override;
+  uint32_t pyramid_level(uint32_t reduction) const override { return level_for(reduction).level; }
 
  private:
   /// A level of the file's own pyramid: `bands` at half the size `level` times; level 0 is the dataset itself.

@@ -74,4 +74,9 @@ std::string describe_json(const Json& value) {
   }
 }
 
+Json json_of_stretch(const Stretch& stretch) {
+  if (stretch.kind == Stretch::Kind::range) return {stretch.low, stretch.high};
+  return stretch.kind == Stretch::Kind::none ? "none" : "auto";
+}
+
 }  // namespace nepho

@@ -10,6 +10,16 @@ namespace nepho {
 
 namespace {
 
+class NameLister : public FieldVisitor {
+ public:
+  std::vector<std::string> names;
+
+ protected:
+  void on_leaf(const Field& field, Leaf) override { names.push_back(field.name); }
+  void on_group(const Field&, const std::function<void()>&) override {}
+  void on_items(const Field&, const Items&) override {}
+};
+
 /// Finds one parameter by its path.
 class Finder : public FieldVisitor {
  public:
@@ -32,10 +42,14 @@ class Finder : public FieldVisitor {
   bool done_ = false;
 };
 
-void find(Scene& scene, const std::string& path, const std::function<void(const Field&, Leaf)>& found) {
+void find(const MemberVisit& visit, const std::string& path, const std::function<void(const Field&, Leaf)>& found) {
   Finder finder(path, found);
-  visit_fields(finder, scene);
+  visit(finder);
   NEPHO_ASSERT(finder.done());  // paths are constants of the program
+}
+
+MemberVisit members_of(Scene& scene) {
+  return [&scene](FieldVisitor& visitor) { visit_fields(visitor, scene); };
 }
 
 class Assigner {
@@ -56,6 +70,18 @@ class Assigner {
     }
   }
   void operator()(std::vector<std::string>* value) const { *value = {text_}; }
+  void operator()(Stretch* value) const {
+    *value = {};
+    const size_t colon = text_.find(':');
+    if (colon != std::string::npos)
+      *value = {.kind = Stretch::Kind::range,
+                .low = parse_number(text_.substr(0, colon), label_),
+                .high = parse_number(text_.substr(colon + 1), label_)};
+    else if (text_ == "none")
+      value->kind = Stretch::Kind::none;
+    else if (text_ != "auto")
+      throw fail(ErrorKind::usage, "{}: '{}' is not auto, none or BLACK:WHITE", label_, text_);
+  }
   void operator()(bool*) const { NEPHO_ASSERT(!"a switch has no text"); }
   void operator()(glm::dvec3*) const { NEPHO_ASSERT(!"a vector has no option"); }
 
@@ -90,12 +116,22 @@ double parse_number(const std::string& text, const std::string& label) {
 Field parameter_field(const std::string& path) {
   Scene scene;
   Field result;
-  find(scene, path, [&](const Field& field, const Leaf&) { result = field; });
+  find(members_of(scene), path, [&](const Field& field, const Leaf&) { result = field; });
   return result;
 }
 
 void set_parameter(Scene& scene, const std::string& path, const std::string& text, const std::string& label) {
-  find(scene, path, [&](const Field& field, const Leaf& leaf) { std::visit(Assigner(field, text, label), leaf); });
+  set_member(members_of(scene), path, text, label);
+}
+
+void set_member(const MemberVisit& visit, const std::string& name, const std::string& text, const std::string& label) {
+  find(visit, name, [&](const Field& field, const Leaf& leaf) { std::visit(Assigner(field, text, label), leaf); });
+}
+
+std::vector<std::string> member_names(const MemberVisit& visit) {
+  NameLister lister;
+  visit(lister);
+  return std::move(lister.names);
 }
 
 }  // namespace nepho

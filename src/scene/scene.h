@@ -7,6 +7,7 @@
 #include "scene/atmosphere_params.h"
 #include "scene/cloud_params.h"
 #include "scene/shaft_params.h"
+#include "scene/source_params.h"
 
 namespace nepho {
 
@@ -29,30 +30,37 @@ struct CameraParams {
   double roll_deg = 0.0;           ///< clockwise as seen from behind the camera
   std::optional<LookAt> look_at;   ///< overrides heading and pitch
   double fov_deg = 45.0;           ///< vertical, (0, 180)
+  bool allow_underground = false;  ///< keep a camera that is under the ground there; false: lifted to 2 m above it
   bool operator==(const CameraParams&) const = default;
 };
 
 struct TerrainParams {
-  std::vector<std::string> elevation;  ///< raster files over the default Earth, later over earlier
-  bool default_earth = true;           ///< elevation and imagery from Debian packages where they are installed
-  double screen_error_px = 1.0;        ///< level of detail: largest geometric error on screen, px, > 0
-  bool shadows = true;                 ///< mountains shade other ground (docs/light.md)
+  std::vector<ElevationSource> elevation;  ///< rasters over the default Earth, later over earlier
+  bool default_earth = true;               ///< elevation and imagery from Debian packages where they are installed
+  double screen_error_px = 1.0;            ///< level of detail: largest geometric error on screen, px, > 0
+  bool shadows = true;                     ///< mountains shade other ground (docs/light.md)
+  uint32_t host_budget_mb = 1024;          ///< most memory for blocks of rasters and tiles, MiB (docs/streaming.md)
+  uint32_t gpu_budget_mb = 512;            ///< most GPU memory for tiles, MiB
+  uint32_t disk_cache_mb = 1024;           ///< most space for warped blocks on disk, MiB; 0: none are kept there
+  double source_timeout_s = 20.0;          ///< a source that does not answer within this time has failed, s, > 0
+  std::string water_mask;                  ///< raster, white: water; empty: water is where elevation is at most 0
+  double water_wind_mps = 6.0;  ///< 10 m wind that roughens water, m/s; 6: a moderate breeze, the ocean's mean
   bool operator==(const TerrainParams&) const = default;
 };
 
 struct ImageryParams {
-  std::vector<std::string> files;  ///< raster files over the default Earth, later over earlier
-  double bare_albedo = 0.2;        ///< of ground that no imagery covers, 0..1
+  std::vector<ImagerySource> files;  ///< rasters over the default Earth, later over earlier
+  double bare_albedo = 0.2;          ///< of ground that no imagery covers, 0..1
   bool operator==(const ImageryParams&) const = default;
 };
 
 struct RenderParams {
-  uint32_t width = 640;          ///< px, 1..16384
-  uint32_t height = 360;         ///< px
+  uint32_t width = 640;            ///< px, 1..16384
+  uint32_t height = 360;           ///< px
   std::string quality = "medium";  ///< low, medium, high, ultra; reference: a path tracer (docs/reference.md)
-  uint32_t frames = 1;           ///< frames accumulated, >= 1; of `reference` paths a pixel
-  double noise = 0.0;            ///< reference: stop when 95 % of pixels have this relative standard error; 0: by frames
-  double furnace_cd_m2 = 0.0;    ///< reference: > 0: this luminance from all sides, instead of air, sun and ground
+  uint32_t frames = 1;             ///< frames accumulated, >= 1; of `reference` paths a pixel
+  double noise = 0.0;          ///< reference: stop when 95 % of pixels have this relative standard error; 0: by frames
+  double furnace_cd_m2 = 0.0;  ///< reference: > 0: this luminance from all sides, instead of air, sun and ground
   uint32_t seed = 0;
   std::optional<double> exposure_ev100;  ///< without: from the picture's own luminances
   double min_ev100 = -8.0;               ///< automatic exposure stays within min_ev100..max_ev100

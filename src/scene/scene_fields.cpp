@@ -8,6 +8,7 @@
 #include "scene/cloud_fields.h"
 #include "scene/field_ranges.h"
 #include "scene/shaft_fields.h"
+#include "scene/source_fields.h"
 
 namespace nepho {
 
@@ -90,14 +91,18 @@ void describe(FieldVisitor& v, CameraParams& p) {
           .range = open(0, 180),
           .term = "vertical field of view"},
          &p.fov_deg);
+  v.leaf({.name = "allow_underground",
+          .doc = "keep a camera that is under the ground where it is; false: it is lifted to 2 m above the ground"},
+         &p.allow_underground);
 }
 
 void describe(FieldVisitor& v, TerrainParams& p) {
-  v.leaf({.name = "elevation",
-          .doc = "elevation rasters over the default Earth, later ones over earlier ones; paths relative to the scene "
-                 "file",
-          .text = TextKind::file},
-         &p.elevation);
+  describe_stack(v,
+                 {.name = "elevation",
+                  .doc = "elevation rasters over the default Earth, later ones over earlier ones: paths, or objects "
+                         "with a path and settings",
+                  .standard = "none"},
+                 p.elevation);
   v.leaf({.name = "default_earth",
           .doc = "elevation and imagery of the whole Earth from Debian packages, where they are installed"},
          &p.default_earth);
@@ -108,14 +113,46 @@ void describe(FieldVisitor& v, TerrainParams& p) {
           .term = "screen-space error"},
          &p.screen_error_px);
   v.leaf({.name = "shadows", .doc = "mountains shade other ground", .term = "cast shadows"}, &p.shadows);
+  v.leaf({.name = "host_budget_mb",
+          .doc = "most memory for the rasters' blocks and the tiles made of them",
+          .unit = "MiB",
+          .range = closed(1, 1048576)},
+         &p.host_budget_mb);
+  v.leaf({.name = "gpu_budget_mb",
+          .doc = "most GPU memory for tiles of the ground",
+          .unit = "MiB",
+          .range = closed(1, 1048576)},
+         &p.gpu_budget_mb);
+  v.leaf({.name = "disk_cache_mb",
+          .doc = "most space on disk for blocks of rasters that were warped or fetched; 0: none are kept there",
+          .unit = "MiB",
+          .range = closed(0, 16777216)},
+         &p.disk_cache_mb);
+  v.leaf({.name = "source_timeout_s",
+          .doc = "a source that does not answer within this time has failed",
+          .unit = "s",
+          .range = closed(0.1, 3600)},
+         &p.source_timeout_s);
+  v.leaf(
+      {.name = "water_mask",
+       .doc = "raster of water, white, and land, black (threshold 128); empty: water is where elevation is at most 0",
+       .text = TextKind::optional_file},
+      &p.water_mask);
+  v.leaf({.name = "water_wind_mps",
+          .doc = "wind at 10 m that roughens water; more widens the sun's glint",
+          .unit = "m/s",
+          .range = closed(0, 60),
+          .term = "Cox and Munk 1954"},
+         &p.water_wind_mps);
 }
 
 void describe(FieldVisitor& v, ImageryParams& p) {
-  v.leaf({.name = "files",
-          .doc = "imagery rasters over the default Earth, later ones over earlier ones; paths relative to the scene "
-                 "file",
-          .text = TextKind::file},
-         &p.files);
+  describe_stack(v,
+                 {.name = "files",
+                  .doc = "imagery rasters over the default Earth, later ones over earlier ones: paths, or objects with "
+                         "a path and settings",
+                  .standard = "none"},
+                 p.files);
   v.leaf({.name = "bare_albedo", .doc = "albedo of ground that no imagery covers", .range = share(), .term = "albedo"},
          &p.bare_albedo);
 }

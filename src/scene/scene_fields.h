@@ -43,7 +43,7 @@ struct Field {
 
 /// A parameter of a scene at hand.
 using Leaf = std::variant<double*, std::optional<double>*, glm::dvec3*, uint32_t*, int*, bool*, std::string*,
-                          std::vector<std::string>*>;
+                          std::vector<std::string>*, Stretch*>;
 
 class FieldVisitor;
 
@@ -51,6 +51,7 @@ class FieldVisitor;
 struct Items {
   bool list = true;
   size_t max = 0;
+  std::string shorthand = {};  ///< of a list: the member that a plain string as item stands for; empty: none
   std::function<size_t()> size;
   std::function<void(size_t)> resize;  ///< new items have their defaults
   std::function<void(FieldVisitor&, size_t)> visit;

@@ -1,5 +1,7 @@
 #include "scene/scene_json.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fstream>
 
@@ -57,7 +59,12 @@ class Reader : public FieldVisitor {
     items.resize(json->size());
     for (size_t i = 0; i < json->size(); ++i)
       at_index(i, [&] {
-        open((*json)[i]);
+        const Json& item = (*json)[i];
+        if (!items.shorthand.empty() && !item.is_object() && !item.is_string())
+          throw wrong_type("a string or an object", item);
+        const bool is_short = !items.shorthand.empty() && item.is_string();
+        const Json whole = is_short ? Json{{items.shorthand, item}} : Json();
+        open(is_short ? whole : item);
         items.visit(*this, i);
         close();
       });
@@ -140,6 +147,15 @@ class Reader : public FieldVisitor {
       throw fail(ErrorKind::input, "{}: {}: {}", source_, path(), e.what());
     }
   }
+  void read(const Field&, const Json& json, Stretch& value) const {
+    value = {};
+    if (json.is_array() && json.size() == 2 && json[0].is_number() && json[1].is_number())
+      value = {.kind = Stretch::Kind::range, .low = json[0].get<double>(), .high = json[1].get<double>()};
+    else if (json == "none")
+      value.kind = Stretch::Kind::none;
+    else if (json != "auto")
+      throw wrong_type("\"auto\", \"none\" or a list of 2 numbers", json);
+  }
   void read(const Field& field, const Json& json, std::vector<std::string>& values) const {
     if (!json.is_array()) throw wrong_type("a list of strings", json);
     values.clear();
@@ -168,9 +184,15 @@ class Writer : public FieldVisitor {
       return;  // null otherwise
     }
     json = Json::array();
+    Json defaults;
+    if (!items.shorthand.empty()) write_object(defaults, [&] { items.visit_default(*this); });
     for (size_t i = 0; i < items.size(); ++i) {
       Json item;
       write_object(item, [&] { items.visit(*this, i); });
+      if (!items.shorthand.empty()) {
+        defaults[items.shorthand] = item[items.shorthand];
+        if (item == defaults) item = Json(item[items.shorthand]);
+      }
       json.push_back(std::move(item));
     }
   }
@@ -189,6 +211,7 @@ class Writer : public FieldVisitor {
   }
   static Json json_of(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
   static Json json_of(const glm::dvec3& value) { return {value.x, value.y, value.z}; }
+  static Json json_of(const Stretch& value) { return json_of_stretch(value); }
 
   Json* at_ = &root;
 };
@@ -232,7 +255,14 @@ std::vector<std::string> local_files(const Scene& scene) {
 }
 
 bool is_local_path(const std::string& raster) {
-  return !raster.starts_with("/vsi") && raster.find(':') == std::string::npos;
+  if (raster.starts_with("/vsi") || raster.starts_with('<')) return false;  // '<': a description in XML
+  // A driver's prefix (NETCDF:, WMTS:) or a scheme (https:); "2026-06-20T23:30.tif" has none.
+  const size_t end = std::find_if_not(raster.begin(), raster.end(),
+                                      [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '+'; }) -
+                     raster.begin();
+  const bool has_prefix =
+      end > 1 && end < raster.size() && raster[end] == ':' && std::isalpha(static_cast<unsigned char>(raster[0]));
+  return !has_prefix;
 }
 
 void merge_scene_json(Scene& scene, const std::string& text, const std::string& what) {

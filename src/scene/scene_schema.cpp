@@ -13,6 +13,7 @@ namespace {
 
 Json default_of(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 Json default_of(const glm::dvec3& value) { return {value.x, value.y, value.z}; }
+Json default_of(const Stretch& value) { return json_of_stretch(value); }
 template <typename T>
 Json default_of(const T& value) {
   return value;
@@ -41,10 +42,17 @@ Json schema_of(const Field&, bool*) { return {{"type", "boolean"}}; }
 Json schema_of(const Field& field, std::string*) {
   Json schema{{"type", "string"}};
   if (!field.choices.empty()) schema["enum"] = field.choices;
+  if (field.text == TextKind::file) schema["minLength"] = 1;
   return schema;
 }
 Json schema_of(const Field&, std::vector<std::string>*) {
   return {{"type", "array"}, {"items", {{"type", "string"}, {"minLength", 1}}}};
+}
+
+Json schema_of(const Field&, Stretch*) {
+  return {{"anyOf",
+           {{{"enum", {"auto", "none"}}},
+            {{"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", 2}, {"maxItems", 2}}}}};
 }
 
 /// The meaning of a parameter; of a vector, with that of its components.
@@ -65,7 +73,8 @@ class SchemaWriter : public FieldVisitor {
   void on_leaf(const Field& field, Leaf value) override {
     Json schema = std::visit([&](auto* p) { return schema_of(field, p); }, value);
     schema["description"] = description_of(field, value);
-    schema["default"] = std::visit([](auto* p) { return default_of(*p); }, value);
+    // A name that must be given has no default.
+    if (field.text != TextKind::file) schema["default"] = std::visit([](auto* p) { return default_of(*p); }, value);
     (*at_)[field.name] = std::move(schema);
   }
   void on_group(const Field& field, const std::function<void()>& members) override {
@@ -84,6 +93,10 @@ class SchemaWriter : public FieldVisitor {
       return;
     }
     item.erase("description");
+    if (!items.shorthand.empty()) {
+      item["required"] = {items.shorthand};
+      item = {{"anyOf", {{{"type", "string"}, {"minLength", 1}}, std::move(item)}}};
+    }
     (*at_)[field.name] = {
         {"type", "array"}, {"description", field.doc}, {"maxItems", items.max}, {"items", std::move(item)}};
   }
@@ -168,8 +181,9 @@ class MarkdownWriter : public FieldVisitor {
     if (!field.choices.empty()) return fmt::format("{}", fmt::join(field.choices, ", "));
     if (std::holds_alternative<bool*>(value)) return "true, false";
     if (std::holds_alternative<std::vector<std::string>*>(value)) return "list of files";
+    if (std::holds_alternative<Stretch*>(value)) return "auto, none, [black, white]";
     if (std::holds_alternative<std::string*>(value))
-      return field.text == TextKind::utc ? "1900..2100" : field.text == TextKind::optional_file ? "file" : "";
+      return field.text == TextKind::utc ? "1900..2100" : field.text == TextKind::plain ? "" : "file";
     return std::holds_alternative<std::optional<double>*>(value) ? field.range.text() + ", null" : field.range.text();
   }
   std::vector<Section> sections_{1};

@@ -66,6 +66,10 @@ class Validator : public FieldVisitor {
   void check(const Field& field, const std::vector<std::string>& values) const {
     for (const std::string& value : values) check_text(field, value);
   }
+  void check(const Field&, const Stretch& value) const {
+    if (value.kind == Stretch::Kind::range && !(value.low < value.high && std::isfinite(value.high - value.low)))
+      throw wrong(path(), fmt::format("black {} is not below white {}", value.low, value.high));
+  }
 
   ErrorKind kind_;
   const NameParameter& name_;
@@ -109,12 +113,22 @@ void check_haze(const HazeParams& haze, const Validator& validator) {
   }
 }
 
+template <typename Source>
+void check_zooms(const std::vector<Source>& stack, const char* list, const Validator& validator) {
+  for (size_t i = 0; i < stack.size(); ++i)
+    if (stack[i].max_zoom >= 0 && stack[i].max_zoom < stack[i].min_zoom)
+      throw validator.wrong(fmt::format("{}[{}].max_zoom", list, i),
+                            fmt::format("{} is below min_zoom {}", stack[i].max_zoom, stack[i].min_zoom));
+}
+
 /// Rules between parameters.
 void check_together(const Scene& scene, const Validator& validator) {
   if (scene.camera.height_m && scene.camera.agl_m)
     throw validator.wrong("camera.agl_m", "camera.height_m is given too; keep one of the two");
   if (const auto problem = find_problem(scene.atmosphere))
     throw validator.wrong("atmosphere." + problem->member, problem->reason);
+  check_zooms(scene.terrain.elevation, "terrain.elevation", validator);
+  check_zooms(scene.imagery.files, "imagery.files", validator);
   check_clouds(scene.clouds, validator);
   check_haze(scene.haze, validator);
   if (scene.render.min_ev100 > scene.render.max_ev100)
@@ -138,6 +152,11 @@ class PathLister : public FieldVisitor {
 };
 
 }  // namespace
+
+void validate_members(const std::function<void(FieldVisitor&)>& visit, ErrorKind kind, const NameParameter& name) {
+  Validator validator(kind, name);
+  visit(validator);
+}
 
 void validate(const Scene& scene, ErrorKind kind, const NameParameter& name) {
   Scene copy = scene;  // visitors may write, this one does not

@@ -200,14 +200,14 @@ TEST_CASE("--sky replaces the scene's clouds, and the other options of clouds ch
 }
 
 TEST_CASE("--weather and --weather-tile take the weather from a file, and unset a uniform coverage") {
-  const CloudParams raster = scene_of({"--sky", "fair", "--weather", "/dev/null"}).clouds;
+  const CloudParams raster = scene_of({"--sky", "fair", "--weather", NEPHO_SOURCE_DIR "/LICENSE"}).clouds;
   CHECK(raster.weather.source == "raster");
-  CHECK(raster.weather.file == "/dev/null");
+  CHECK(raster.weather.file == NEPHO_SOURCE_DIR "/LICENSE");
   CHECK_FALSE(raster.coverage.has_value());
   CHECK(raster.layers == cloud_sky("fair")->layers);
-  const CloudParams tile = scene_of({"--weather-tile", "/dev/null"}).clouds;
+  const CloudParams tile = scene_of({"--weather-tile", NEPHO_SOURCE_DIR "/LICENSE"}).clouds;
   CHECK(tile.weather.source == "tile");
-  CHECK(tile.weather.file == "/dev/null");
+  CHECK(tile.weather.file == NEPHO_SOURCE_DIR "/LICENSE");
   CHECK(scene_of({"--weather", "NETCDF:a.nc:cover"}).clouds.weather.file == "NETCDF:a.nc:cover");
   CHECK(message_of(render({"--weather", "/nonexistent/a.tif"}), 3) == "/nonexistent/a.tif: no such file");
   CHECK(message_of(render({"--weather-tile", "/nonexistent/a.png"}), 3) == "/nonexistent/a.png: no such file");
@@ -378,7 +378,8 @@ TEST_CASE("--quality reference ends at the noise or the paths that are asked for
 }
 
 TEST_CASE("what belongs to --quality reference alone, or does not go with it, is a usage error") {
-  CHECK(message_of(render({"--noise", "0.1"}), 2) == "--noise: the quality is medium; it stops --quality reference only");
+  CHECK(message_of(render({"--noise", "0.1"}), 2) ==
+        "--noise: the quality is medium; it stops --quality reference only");
   CHECK(message_of(render({"--resume", "/dev/null"}), 2) ==
         "--resume: the quality is medium; only --quality reference can go on");
   CHECK(message_of(render({"--quality", "reference", "--resume", "/nonexistent/a.exr"}), 3) ==
@@ -458,9 +459,33 @@ TEST_CASE("air in a scene file that cannot be is status 3 in one line, for pictu
 }
 
 TEST_CASE("--terrain and --imagery take one file each time and add to those of the scene") {
-  const Scene scene = scene_of({"--terrain", "/dev/null", "--terrain", "/vsizip/a.zip", "--imagery", "NETCDF:a.nc:v"});
-  CHECK(scene.terrain.elevation == std::vector<std::string>{"/dev/null", "/vsizip/a.zip"});
-  CHECK(scene.imagery.files == std::vector<std::string>{"NETCDF:a.nc:v"});
+  const Scene scene = scene_of({"--terrain", "/etc", "--terrain", "/vsizip/a.zip,opacity=0.5,vertical_scale=2",
+                                "--imagery", "NETCDF:a.nc:v", "--imagery", "/etc/{z}/{x}/{y}.png,gamma=1.5"});
+  CHECK(
+      scene.terrain.elevation ==
+      std::vector<ElevationSource>{{.path = "/etc"}, {.path = "/vsizip/a.zip", .opacity = 0.5, .vertical_scale = 2.0}});
+  CHECK(scene.imagery.files ==
+        std::vector<ImagerySource>{{.path = "NETCDF:a.nc:v"}, {.path = "/etc/{z}/{x}/{y}.png", .gamma = 1.5}});
+  CHECK(message_of(render({"--terrain", "/etc,opacity=2"}), 2) ==
+        "--terrain: opacity: 2 is out of range; allowed: 0..1");
+  CHECK(message_of(render({"--imagery", "/etc,gama=2"}), 2) ==
+        "--imagery: unknown key 'gama' in '/etc,gama=2'; did you mean 'gamma'?");
+  CHECK(message_of(render({"--imagery", "/nonexistent/{z}/{x}/{y}.png"}), 3) ==
+        "/nonexistent/{z}/{x}/{y}.png: no such file, and no such folder of tiles");
+  CHECK(message_of(render({"--imagery", "/dev/zero"}), 3) == "/dev/zero: is a pipe or device; give a file");
+}
+
+TEST_CASE("the options of streaming, water and collision set the scene's parameters") {
+  const Scene scene = scene_of({"--host-budget", "300", "--gpu-budget", "200", "--disk-cache", "0", "--water-mask",
+                                NEPHO_SOURCE_DIR "/LICENSE", "--allow-underground"});
+  CHECK(scene.terrain.host_budget_mb == 300);
+  CHECK(scene.terrain.gpu_budget_mb == 200);
+  CHECK(scene.terrain.disk_cache_mb == 0);
+  CHECK(scene.terrain.water_mask == NEPHO_SOURCE_DIR "/LICENSE");
+  CHECK(scene.camera.allow_underground);
+  CHECK_FALSE(scene_of({}).camera.allow_underground);
+  CHECK(message_of(render({"--host-budget", "0"}), 2) == "--host-budget: 0 is out of range; allowed: 1..1048576 MiB");
+  CHECK(message_of(render({"--water-mask", "/nonexistent/w.tif"}), 3) == "/nonexistent/w.tif: no such file");
 }
 
 TEST_CASE("--save-scene writes the scene as drawn, and needs no picture") {

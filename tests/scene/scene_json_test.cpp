@@ -61,6 +61,9 @@ class Changer : public FieldVisitor {
     else
       v = f.choices.empty() ? v + "x" : f.choices[v == f.choices[1] ? 0 : 1];
   }
+  static void change(const Field&, Stretch& v) {
+    v = {.kind = Stretch::Kind::range, .low = -1.0 / 3.0, .high = 1e4 / 7.0};
+  }
   static void change(const Field&, std::vector<std::string>& v) { v = {"a b.tif", "\"ä\".tif"}; }
 };
 
@@ -105,6 +108,8 @@ TEST_CASE("the table of parameters has every member of the scene's structs") {
   for (const char* texture : {"shape.", "detail.", "turbulence."})
     CHECK(members_of(std::string("clouds.noise.") + texture) == member_count<NoiseTextureParams>());
   CHECK(members_of("terrain.") == member_count<TerrainParams>());
+  CHECK(members_of("terrain.elevation[0].") == member_count<ElevationSource>());
+  CHECK(members_of("imagery.files[0].") == member_count<ImagerySource>());
   CHECK(members_of("imagery.") == member_count<ImageryParams>());
   CHECK(members_of("render.") == member_count<RenderParams>());
 }
@@ -131,7 +136,9 @@ TEST_CASE("a scene with every parameter changed comes back equal from JSON, bit 
   scene.render.min_ev100 = -20.0 / 3.0;  // not above max_ev100
   scene.clouds.shadows.cascades = 4;
   scene.shafts.downscale = 8;
-  for (HazeLayer& layer : scene.haze.layers) layer.top_m = 3e4;  // above bottom_m
+  for (HazeLayer& layer : scene.haze.layers) layer.top_m = 3e4;                 // above bottom_m
+  for (ElevationSource& source : scene.terrain.elevation) source.max_zoom = 7;  // not below min_zoom
+  for (ImagerySource& source : scene.imagery.files) source.max_zoom = 7;
   const std::string text = scene_to_json(scene);
   const Scene back = scene_from_json(text, "s.json");
   CHECK(back == scene);
@@ -143,6 +150,8 @@ TEST_CASE("the JSON of a scene names every parameter") {
   Scene scene;
   scene.camera.look_at.emplace();
   scene.haze.layers.emplace_back();
+  scene.terrain.elevation.push_back({.path = "a.tif", .opacity = 0.5});
+  scene.imagery.files.push_back({.path = "b.tif", .opacity = 0.5});
   const std::string text = scene_to_json(scene);
   for (const std::string& path : parameter_paths()) {
     CAPTURE(path);
@@ -205,8 +214,9 @@ TEST_CASE("a wrong type is an error with path, what is expected and what was fou
   CHECK(reading_fails(R"({"camera": {"fov_deg": null}})") == "s.json: camera.fov_deg: expected a number, found null");
   CHECK(reading_fails(R"({"render": {"width": 1.5}})") == "s.json: render.width: expected a whole number, found 1.5");
   CHECK(reading_fails(R"({"terrain": {"elevation": "a.tif"}})") ==
-        "s.json: terrain.elevation: expected a list of strings, found the string \"a.tif\"");
-  CHECK(reading_fails(R"({"terrain": {"elevation": [""]}})") == "s.json: terrain.elevation: is empty; name a file");
+        "s.json: terrain.elevation: expected a list, found the string \"a.tif\"");
+  CHECK(reading_fails(R"({"terrain": {"elevation": [""]}})") ==
+        "s.json: terrain.elevation[0].path: is empty; name a file");
   CHECK(reading_fails(R"({"terrain": {"default_earth": 1}})") ==
         "s.json: terrain.default_earth: expected true or false, found 1");
   CHECK(reading_fails(R"({"camera": {"look_at": 3}})") == "s.json: camera.look_at: expected an object, found 3");
@@ -259,7 +269,9 @@ TEST_CASE("relative raster paths of a scene file are relative to the file, and s
   const Scene scene = load_scene(dir / "in" / "s.json");
   const std::vector<std::string> expected{dir / "in" / "dem" / "a.tif", "/abs/b.tif", dir / "c.tif", "NETCDF:d.nc:v",
                                           "/vsizip/e.zip"};
-  CHECK(scene.terrain.elevation == expected);
+  std::vector<std::string> paths;
+  for (const ElevationSource& source : scene.terrain.elevation) paths.push_back(source.path);
+  CHECK(paths == expected);
   CHECK(scene.clouds.weather.file == (dir / "in" / "w.png").string());
   CHECK(scene.clouds.noise.shape.file == (dir / "in" / "dem" / "s.bin").string());
   CHECK(scene.clouds.noise.detail.file.empty());
