@@ -1,29 +1,75 @@
 #include "terrain/block_cache.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "base/log.h"
 
 namespace nepho {
 
 namespace {
+
 constexpr uint32_t kSide = Raster::kBlockSize;
 constexpr uint32_t kSideBits = 8;
 static_assert(kSide == 1u << kSideBits);
+
+constexpr uint64_t kOwnBudgetBytes = 384u << 20;
+/// A raster of at most this size, uncompressed, is read at full size only. Not a matter of the budget: the bits of a
+/// reduction must not depend on that.
+constexpr uint64_t kSmallBytes = 192u << 20;
+/// A block at this reduction stands for 2048 x 2048 pixels of the source: enough for a read to be worth its while.
+constexpr uint32_t kDirectReductions = 3;
+/// Blocks that took longer than this go to the disk.
+constexpr double kDear_s = 0.002;
+/// Reading more pixels than this to learn a raster's range is too much.
+constexpr uint64_t kDearPixels = uint64_t{1} << 24;
+
+constexpr double kPauses_s[] = {0.05, 0.25};
+/// After this many failed blocks in a row no time is lost with trying again.
+constexpr uint32_t kFailuresInRow = 3;
+/// After this many even a tenth of the timeout spent on nothing but errors is enough.
+constexpr uint32_t kManyFailures = 64;
+/// A read that computed for longer than this failed on its data; another try would compute the same.
+constexpr double kHardWork_s = 0.25;
+
+constexpr uint64_t kOwnBit = uint64_t{1} << 63;
 
 uint32_t reduced(uint32_t size, uint32_t reduction) {
   const uint64_t step = uint64_t{1} << reduction;
   return static_cast<uint32_t>((size + step - 1) / step);
 }
+
+uint64_t key_of(uint32_t reduction, uint32_t bx, uint32_t by) {
+  return (uint64_t{reduction} << 56) | (uint64_t{by} << 28) | bx;
+}
+
+uint64_t bytes_of(const RasterBlock& block) { return block.values.size() * sizeof(float) + block.valid.size(); }
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+RasterCaches completed(RasterCaches caches) {
+  if (!caches.memory) caches.memory = std::make_shared<HostBudget>(kOwnBudgetBytes);
+  return caches;
+}
+
 }  // namespace
 
-BlockCache::BlockCache(std::shared_ptr<Raster> raster, uint64_t budget_bytes, Filter filter)
-    : raster_(std::move(raster)), info_(raster_->info()), budget_bytes_(budget_bytes), filter_(std::move(filter)) {
+BlockCache::BlockCache(std::shared_ptr<Raster> raster, RasterCaches caches, Filter filter)
+    : raster_(std::move(raster)),
+      info_(raster_->info()),
+      caches_(completed(std::move(caches))),
+      caller_(caches_.timeout_s),
+      source_(caches_.disk ? BlockStore::source_of(info_) : BlockStore::Source{}),
+      filter_(std::move(filter)),
+      blocks_(caches_.memory) {
   NEPHO_ASSERT(info_.width > 0 && info_.height > 0);
   own_reductions_ = std::max(1u, raster_->reductions());
   const uint64_t whole_bytes = uint64_t{info_.width} * info_.height * (info_.bands * sizeof(float) + 1);
-  if (whole_bytes <= budget_bytes_ / 2) own_reductions_ = 1;
+  if (whole_bytes <= kSmallBytes) own_reductions_ = 1;
   while (reduced(std::max(info_.width, info_.height), last_reduction_) > 1) ++last_reduction_;
   pixel_deg_ = std::max((info_.bounds.east_deg - info_.bounds.west_deg) / info_.width,
                         (info_.bounds.north_deg - info_.bounds.south_deg) / info_.height);
@@ -44,74 +90,175 @@ uint32_t BlockCache::reduction_for(double spacing_deg) const {
   return k;
 }
 
-std::shared_ptr<const BlockCache::Block> BlockCache::block(uint32_t reduction, uint32_t bx, uint32_t by) const {
-  const uint64_t key = (uint64_t{reduction} << 56) | (uint64_t{by} << 28) | bx;
-  std::shared_ptr<Entry> entry;
-  {
-    const std::lock_guard lock(mutex_);
-    auto& slot = entries_[key];
-    if (!slot) slot = std::make_shared<Entry>();
-    slot->stamp = ++clock_;
-    entry = slot;
-  }
-  std::call_once(entry->once, [&] {
-    auto loaded = std::make_shared<const Block>(load(reduction, bx, by));
-    const uint64_t bytes = loaded->data.values.size() * sizeof(float) + loaded->data.valid.size();
-    const std::lock_guard lock(mutex_);
-    entry->block = std::move(loaded);
-    entry->bytes = bytes;
-    bytes_ += bytes;
-    if (bytes_ > budget_bytes_) trim();
-  });
-  return entry->block;
+bool BlockCache::is_averaged(uint32_t reduction) const {
+  if (reduction == 0) return false;
+  if (reduction >= own_reductions_) return true;
+  // Without a level of its own a read would look at all the pixels below once more.
+  return reduction > kDirectReductions && raster_->pyramid_level(reduction) == raster_->pyramid_level(reduction - 1);
 }
 
-void BlockCache::trim() const {
-  // Down to three quarters, oldest first; blocks in use stay alive through their shared_ptr.
-  std::vector<std::pair<uint64_t, uint64_t>> ages;
-  for (const auto& [key, entry] : entries_)
-    if (entry->bytes > 0) ages.emplace_back(entry->stamp, key);
-  std::sort(ages.begin(), ages.end());
-  for (const auto& [stamp, key] : ages) {
-    if (bytes_ <= budget_bytes_ / 4 * 3) break;
-    const auto found = entries_.find(key);
-    bytes_ -= found->second->bytes;
-    entries_.erase(found);
-  }
+bool BlockCache::whole_is_dear() const {
+  uint32_t level = 0;
+  for (uint32_t k = 0; k < own_reductions_; ++k) level = std::max(level, raster_->pyramid_level(k));
+  return uint64_t{width_at(level)} * height_at(level) > kDearPixels;
+}
+
+std::shared_ptr<const BlockCache::Block> BlockCache::block(uint32_t reduction, uint32_t bx, uint32_t by) const {
+  return blocks_.get(key_of(reduction, bx, by), [&]() -> HostCache<uint64_t, Block>::Made {
+    auto block = std::make_shared<Block>(load(reduction, bx, by));
+    const std::vector<uint8_t>& valid = block->data.valid;
+    block->all_valid = std::all_of(valid.begin(), valid.end(), [](uint8_t v) { return v != 0; });
+    const uint64_t bytes = bytes_of(block->data) + sizeof(Block);
+    return {std::move(block), bytes};
+  });
 }
 
 BlockCache::Block BlockCache::load(uint32_t reduction, uint32_t bx, uint32_t by) const {
+  const bool averaged = is_averaged(reduction);
+  // What a filter made depends on more than this raster: only what it starts from is kept.
+  const bool on_disk = source_ && !(averaged && filter_);
   Block out;
-  if (reduction >= own_reductions_) {
-    out = reduce_children(reduction, bx, by);
-  } else {
-    Result<RasterBlock> read = raster_->read_block(reduction, bx, by);
-    ++blocks_read_;
-    if (read) {
-      out.data = std::move(*read);
-      if (filter_) filter_(out.data, reduction, bx, by);
-    } else {
-      if (!warned_.exchange(true)) log_warning("{}; such parts count as no data", read.reason());
-      out.data.width = std::min(kSide, width_at(reduction) - bx * kSide);
-      out.data.height = std::min(kSide, height_at(reduction) - by * kSide);
-      const size_t pixels = size_t{out.data.width} * out.data.height;
-      out.data.values.assign(pixels * info_.bands, 0.0f);
-      out.data.valid.assign(pixels, 0);
+  bool kept = false;
+  if (on_disk) {
+    std::optional<RasterBlock> found = caches_.disk->load(source_, reduction, bx, by);
+    if (found && found->width == std::min(side_at(reduction), width_at(reduction) - bx * side_at(reduction)) &&
+        found->height == std::min(side_at(reduction), height_at(reduction) - by * side_at(reduction))) {
+      out.data = std::move(*found);
+      kept = true;
+      ++from_disk_;
     }
   }
-  out.all_valid = std::all_of(out.data.valid.begin(), out.data.valid.end(), [](uint8_t v) { return v != 0; });
+  const auto start = std::chrono::steady_clock::now();
+  if (!kept && averaged) {
+    out = may_be_read() ? average_children(reduction, bx, by) : empty_block(reduction, bx, by);
+    ++averaged_;
+  } else if (!kept) {
+    if (std::optional<RasterBlock> own = read_with_retries(reduction, bx, by))
+      out.data = std::move(*own);
+    else
+      return replace_failed(reduction, bx, by);
+  }
+  if (on_disk && !kept && !out.failed && seconds_since(start) > kDear_s)
+    caches_.disk->save(source_, reduction, bx, by, std::make_shared<const RasterBlock>(out.data));
+  if (!averaged && filter_) filter_(out.data, reduction, bx, by);
   return out;
 }
 
-BlockCache::Block BlockCache::reduce_children(uint32_t reduction, uint32_t bx, uint32_t by) const {
+std::optional<RasterBlock> BlockCache::read_with_retries(uint32_t reduction, uint32_t bx, uint32_t by) const {
+  const uint32_t tries = failures_in_row_ >= kFailuresInRow ? 1 : 1 + std::size(kPauses_s);
+  std::string reason;
+  double waited_s = 0.0;
+  for (uint32_t i = 0; i < tries && may_be_read(); ++i) {
+    if (i > 0) {
+      ++retried_;
+      std::this_thread::sleep_for(std::chrono::duration<double>(kPauses_s[i - 1]));
+    }
+    const auto start = std::chrono::steady_clock::now();
+    double call_s = 0.0;
+    std::optional<Result<RasterBlock>> result;
+    try {
+      // Owns the raster: the call may outlive this object.
+      result = caller_.call([raster = raster_, reduction, bx, by] { return raster->read_block(reduction, bx, by); },
+                            &call_s);
+      if (!result) reason = fmt::format("{}: does not answer within {:.3g} s", info_.path, caller_.patience_s());
+    } catch (const std::exception& e) {
+      result = Result<RasterBlock>::failed(fmt::format("{}: {}", info_.path, e.what()));
+    }
+    waited_s += call_s;
+    if (!result) break;
+    ++read_;
+    if (*result) {
+      RasterBlock& block = **result;
+      const uint32_t width = std::min(kSide, width_at(reduction) - bx * kSide);
+      const uint32_t height = std::min(kSide, height_at(reduction) - by * kSide);
+      const size_t pixels = size_t{width} * height;
+      if (block.width == width && block.height == height && block.valid.size() == pixels &&
+          block.values.size() == pixels * info_.bands) {
+        failures_in_row_ = 0;
+        const std::lock_guard lock(failure_mutex_);
+        failing_s_ = 0.0;
+        return std::move(block);
+      }
+      reason = fmt::format("{}: delivers blocks of another size than it should", info_.path);
+    } else {
+      reason = result->reason();
+    }
+    if (seconds_since(start) - call_s > kHardWork_s) break;
+  }
+  ++failed_;
+  count_failure(reason, waited_s);
+  return std::nullopt;
+}
+
+void BlockCache::count_failure(const std::string& reason, double waited_s) const {
+  const uint32_t in_row = ++failures_in_row_;
+  const std::lock_guard lock(failure_mutex_);
+  failing_s_ += waited_s;
+  const double most_s = in_row >= kManyFailures ? 0.1 * caches_.timeout_s : caches_.timeout_s;
+  if (caches_.timeout_s > 0.0 && failing_s_ > most_s) given_up_ = true;
+  if (!failure_.empty() || reason.empty()) return;
+  failure_ = reason;
+  log_warning("{}; {}", reason,
+              caller_.given_up() ? "it is left out from here on" : "what lies below shows in such places");
+}
+
+BlockCache::Block BlockCache::empty_block(uint32_t reduction, uint32_t bx, uint32_t by) const {
   Block out;
+  const uint32_t side = side_at(reduction);
+  out.data.width = std::min(side, width_at(reduction) - bx * side);
+  out.data.height = std::min(side, height_at(reduction) - by * side);
+  const size_t pixels = size_t{out.data.width} * out.data.height;
+  out.data.values.assign(pixels * info_.bands, 0.0f);
+  out.data.valid.assign(pixels, 0);
+  out.failed = true;
+  return out;
+}
+
+BlockCache::Block BlockCache::replace_failed(uint32_t reduction, uint32_t bx, uint32_t by) const {
+  Block out = empty_block(reduction, bx, by);
+  if (!may_be_read()) return out;
+  if (reduction > 0) {
+    out = average_children(reduction, bx, by);  // they have had their filter
+  } else if (magnify_coarser(reduction, bx, by, out.data) && filter_) {
+    filter_(out.data, reduction, bx, by);
+  }
+  out.failed = true;
+  return out;
+}
+
+bool BlockCache::magnify_coarser(uint32_t reduction, uint32_t bx, uint32_t by, RasterBlock& to) const {
+  for (uint32_t up = 1; reduction + up < own_reductions_ && may_be_read(); ++up) {
+    // A coarser level helps where it was stored apart: else it is made of the very pixels that are missing.
+    const uint32_t k = reduction + up;
+    if (is_averaged(k) || raster_->pyramid_level(k) <= raster_->pyramid_level(k - 1)) continue;
+    const auto coarse = blocks_.get(key_of(k, bx >> up, by >> up) | kOwnBit, [&] {
+      auto made = std::make_shared<Block>();
+      if (std::optional<RasterBlock> own = read_with_retries(k, bx >> up, by >> up)) made->data = std::move(*own);
+      const uint64_t bytes = bytes_of(made->data) + sizeof(Block);
+      return HostCache<uint64_t, Block>::Made{std::move(made), bytes};
+    });
+    const RasterBlock& from = coarse->data;
+    if (from.valid.empty()) continue;
+    const uint32_t x0 = ((bx >> up) * kSide) << up, y0 = ((by >> up) * kSide) << up;
+    for (uint32_t y = 0; y < to.height; ++y)
+      for (uint32_t x = 0; x < to.width; ++x) {
+        const size_t source = size_t{(by * kSide + y - y0) >> up} * from.width + ((bx * kSide + x - x0) >> up);
+        const size_t target = size_t{y} * to.width + x;
+        to.valid[target] = from.valid[source];
+        for (uint32_t b = 0; b < info_.bands; ++b)
+          to.values[target * info_.bands + b] = from.values[source * info_.bands + b];
+      }
+    return true;
+  }
+  return false;
+}
+
+BlockCache::Block BlockCache::average_children(uint32_t reduction, uint32_t bx, uint32_t by) const {
+  Block out = empty_block(reduction, bx, by);
+  out.failed = false;
   const uint32_t bands = info_.bands;
   RasterBlock& to = out.data;
   const uint32_t side = side_at(reduction), side_below = side_at(reduction - 1);
-  to.width = std::min(side, width_at(reduction) - bx * side);
-  to.height = std::min(side, height_at(reduction) - by * side);
-  to.values.assign(size_t{to.width} * to.height * bands, 0.0f);
-  to.valid.assign(size_t{to.width} * to.height, 0);
   // Pixels below, and the blocks that hold them: one for a block reduced by itself.
   const uint32_t x0 = 2 * bx * side, y0 = 2 * by * side;
   const uint32_t x1 = std::min(x0 + 2 * side, width_at(reduction - 1)),
@@ -122,6 +269,7 @@ BlockCache::Block BlockCache::reduce_children(uint32_t reduction, uint32_t bx, u
     for (uint32_t cx = x0 / side_below; cx * side_below < x1; ++cx) {
       const auto child = block(reduction - 1, cx, cy);
       const RasterBlock& from = child->data;
+      out.failed = out.failed || child->failed;
       for (uint32_t y = 0; y < from.height; ++y)
         for (uint32_t x = 0; x < from.width; ++x) {
           const uint32_t px = cx * side_below + x, py = cy * side_below + y;
@@ -139,6 +287,20 @@ BlockCache::Block BlockCache::reduce_children(uint32_t reduction, uint32_t bx, u
     for (uint32_t b = 0; b < bands; ++b) to.values[p * bands + b] = static_cast<float>(sums[p * bands + b] / counts[p]);
   }
   return out;
+}
+
+SourceStats BlockCache::stats() const {
+  SourceStats s{.path = info_.path,
+                .read = read_,
+                .averaged = averaged_,
+                .from_disk = from_disk_,
+                .retried = retried_,
+                .failed = failed_,
+                .given_up = given_up_ || caller_.given_up(),
+                .failure = {}};
+  const std::lock_guard lock(failure_mutex_);
+  s.failure = failure_;
+  return s;
 }
 
 }  // namespace nepho

@@ -4,29 +4,37 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <unordered_map>
-#include <vector>
+#include <optional>
 
+#include "base/patient_caller.h"
 #include "io/raster.h"
+#include "terrain/raster_caches.h"
 
 namespace nepho {
 
-/// Blocks of one raster, kept in memory up to a budget. A raster that fits the budget as a whole is read at full size
-/// only, and each of its blocks is reduced by itself, so that a coarse look at a place reads no more than the blocks
-/// there. Others are read at the reductions that they offer. Reductions beyond those are averaged from the ones below:
-/// a raster far smaller than a vertex spacing still contributes its mean. Thread-safe; a block is read once even when
-/// two threads ask for it together. A block that cannot be read counts as "no data", with one warning per raster.
+/// Blocks of one raster, kept in memory within the budget that all rasters of a scene share, and on disk where they
+/// took long to make. Thread-safe; a block is read once even when two threads ask for it together.
+///
+/// A small raster is read at full size only, and each of its blocks is reduced by itself, so that a coarse look at a
+/// place reads no more than the blocks there. Others are read at the reductions that they offer, as long as that reads
+/// less than the finer blocks would. All other reductions are averaged from the ones below: a raster far smaller than a
+/// vertex spacing still contributes its mean. None of this depends on the budget: a block has the same bits always.
+///
+/// A block that cannot be read is tried again twice, after pauses. Then it is made from finer blocks, as far as those
+/// can be read, or from a coarser level of the source's own pyramid, and what is still missing counts as no data. A
+/// source that does not answer in time, or answers with nothing but errors for that long, is not read any more. One
+/// warning per raster.
 class BlockCache {
  public:
   struct Block {
     RasterBlock data;
     bool all_valid = false;
+    bool failed = false;  ///< part of it could not be read
   };
   /// Changes a block after it was read from the raster (not those that are averaged from others).
   using Filter = std::function<void(RasterBlock& block, uint32_t reduction, uint32_t bx, uint32_t by)>;
 
-  static constexpr uint64_t kBudgetBytes = 384u << 20;
-  explicit BlockCache(std::shared_ptr<Raster> raster, uint64_t budget_bytes = kBudgetBytes, Filter filter = {});
+  explicit BlockCache(std::shared_ptr<Raster> raster, RasterCaches caches = {}, Filter filter = {});
 
   const RasterInfo& info() const { return info_; }
   /// Block (bx, by): pixels bx * side_at(reduction).. of the raster reduced by 2^reduction.
@@ -39,31 +47,41 @@ class BlockCache {
   double pixel_deg() const { return pixel_deg_; }
   /// Largest power-of-two reduction whose pixels are no larger than `spacing_deg`.
   uint32_t reduction_for(double spacing_deg) const;
-  uint64_t blocks_read() const { return blocks_read_; }
+  /// Whether looking at the whole raster means reading a great many of its pixels.
+  bool whole_is_dear() const;
+
+  uint64_t blocks_read() const { return read_; }
+  SourceStats stats() const;
+  const std::shared_ptr<HostBudget>& memory() const { return caches_.memory; }
 
  private:
-  struct Entry {
-    std::once_flag once;
-    std::shared_ptr<const Block> block;
-    uint64_t stamp = 0;
-    uint64_t bytes = 0;
-  };
   Block load(uint32_t reduction, uint32_t bx, uint32_t by) const;
-  Block reduce_children(uint32_t reduction, uint32_t bx, uint32_t by) const;
-  void trim() const;
+  std::optional<RasterBlock> read(uint32_t reduction, uint32_t bx, uint32_t by) const;
+  std::optional<RasterBlock> read_with_retries(uint32_t reduction, uint32_t bx, uint32_t by) const;
+  bool is_averaged(uint32_t reduction) const;
+  bool may_be_read() const { return !given_up_ && !caller_.given_up(); }
+  void count_failure(const std::string& reason, double waited_s) const;
+  Block average_children(uint32_t reduction, uint32_t bx, uint32_t by) const;
+  Block replace_failed(uint32_t reduction, uint32_t bx, uint32_t by) const;
+  Block empty_block(uint32_t reduction, uint32_t bx, uint32_t by) const;
+  bool magnify_coarser(uint32_t reduction, uint32_t bx, uint32_t by, RasterBlock& to) const;
 
   std::shared_ptr<Raster> raster_;
   RasterInfo info_;
+  RasterCaches caches_;
+  PatientCaller caller_;
+  BlockStore::Source source_;
   uint32_t own_reductions_ = 1;
   uint32_t last_reduction_ = 0;  // one pixel is left
   double pixel_deg_ = 1.0;
-  uint64_t budget_bytes_;
   Filter filter_;
-  mutable std::mutex mutex_;
-  mutable std::unordered_map<uint64_t, std::shared_ptr<Entry>> entries_;
-  mutable uint64_t clock_ = 0, bytes_ = 0;
-  mutable std::atomic<uint64_t> blocks_read_{0};
-  mutable std::atomic<bool> warned_{false};
+  HostCache<uint64_t, Block> blocks_;
+  mutable std::atomic<uint64_t> read_{0}, averaged_{0}, from_disk_{0}, retried_{0}, failed_{0};
+  mutable std::atomic<uint32_t> failures_in_row_{0};
+  mutable std::atomic<bool> given_up_{false};
+  mutable std::mutex failure_mutex_;
+  mutable double failing_s_ = 0.0;  // waited for errors since the last success
+  mutable std::string failure_;     // the first
 };
 
 }  // namespace nepho

@@ -74,11 +74,11 @@ double canonical_lon_deg(double lon_deg) {
 }
 
 HeightSampler::HeightSampler(std::vector<std::shared_ptr<Raster>> elevation, bool has_default,
-                             std::shared_ptr<const Geoid> geoid)
-    : has_default_(has_default && !elevation.empty()), geoid_(std::move(geoid)) {
+                             std::shared_ptr<const Geoid> geoid, RasterCaches caches)
+    : caches_(std::move(caches)), has_default_(has_default && !elevation.empty()), geoid_(std::move(geoid)) {
   for (auto& raster : elevation) {
     if (raster->info().vertical == VerticalDatum::ellipsoid) needs_undulation_ = true;
-    layers_.push_back(std::make_unique<BlockCache>(std::move(raster)));
+    layers_.push_back(std::make_unique<BlockCache>(std::move(raster), caches_));
   }
   find_range();
 }
@@ -90,9 +90,18 @@ void HeightSampler::find_range() {
     const BlockCache& raster = *layers_[i];
     uint32_t k = 0;
     while (std::max(raster.width_at(k), raster.height_at(k)) > Raster::kBlockSize) ++k;
+    uint32_t step = 1;
+    if (raster.whole_is_dear()) {
+      // A few blocks of it, and what there is on the Earth.
+      constexpr uint32_t kBlocksAcross = 4;
+      k = 0;
+      step = std::max(raster.width_at(0), raster.height_at(0)) / raster.side_at(0) / kBlocksAcross + 1;
+      lowest = std::min(lowest, -450.0);
+      highest = std::max(highest, 6100.0);
+    }
     const uint32_t side = raster.side_at(k);
-    for (uint32_t by = 0; by * side < raster.height_at(k); ++by)
-      for (uint32_t bx = 0; bx * side < raster.width_at(k); ++bx) {
+    for (uint32_t by = step / 2; by * side < raster.height_at(k); by += step)
+      for (uint32_t bx = step / 2; bx * side < raster.width_at(k); bx += step) {
         const auto block = raster.block(k, bx, by);
         for (size_t p = 0; p < block->data.valid.size(); ++p) {
           if (!block->data.valid[p]) continue;
@@ -277,6 +286,13 @@ double HeightSampler::finest_pixel_deg(const TileBounds& tile) const {
   for (const auto& layer : layers_)
     if (overlaps(layer->info().bounds, tile)) finest = std::min(finest, layer->pixel_deg());
   return finest;
+}
+
+std::vector<SourceStats> HeightSampler::source_stats() const {
+  std::vector<SourceStats> all;
+  for (const auto& layer : layers_) all.push_back(layer->stats());
+  if (water_mask_) all.push_back(water_mask_->stats());
+  return all;
 }
 
 uint64_t HeightSampler::blocks_read() const {

@@ -33,14 +33,17 @@ struct Slope {
 /// Water is the sea, or what a mask says: it changes what the ground is made of, never its height.
 class HeightSampler {
  public:
-  HeightSampler(std::vector<std::shared_ptr<Raster>> elevation, bool has_default, std::shared_ptr<const Geoid> geoid);
+  HeightSampler(std::vector<std::shared_ptr<Raster>> elevation, bool has_default, std::shared_ptr<const Geoid> geoid,
+                RasterCaches caches = {});
 
   HeightSampler(const HeightSampler&) = delete;
   HeightSampler& operator=(const HeightSampler&) = delete;
 
   /// A picture of water, white (from 128 of 255), and land: decides where it has data; elsewhere the sea is water. Call
   /// before anything is sampled.
-  void set_water_mask(std::shared_ptr<Raster> mask) { water_mask_ = std::make_unique<BlockCache>(std::move(mask)); }
+  void set_water_mask(std::shared_ptr<Raster> mask) {
+    water_mask_ = std::make_unique<BlockCache>(std::move(mask), caches_);
+  }
 
   /// Height above the ellipsoid, m, with the rasters reduced to suit the vertices of `level`.
   double height_m(double lat_rad, double lon_rad, uint32_t level) const;
@@ -80,6 +83,8 @@ class HeightSampler {
   double highest_land_m() const { return highest_land_m_; }
   const BlockCache* default_data() const { return has_default_ ? layers_.front().get() : nullptr; }
   uint64_t blocks_read() const;
+  /// What became of the blocks of every raster: the stack, bottom first, then the water mask.
+  std::vector<SourceStats> source_stats() const;
 
  private:
   struct Field {
@@ -93,6 +98,7 @@ class HeightSampler {
   bool is_sea(const Field& field, size_t place) const;
   void find_range();
 
+  RasterCaches caches_;
   std::vector<std::unique_ptr<BlockCache>> layers_;  // bottom first
   std::unique_ptr<BlockCache> water_mask_;           // may be null
   bool has_default_ = false;

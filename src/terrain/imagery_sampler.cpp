@@ -168,17 +168,17 @@ void spread_land(RasterBlock& block, std::vector<uint8_t> land, uint32_t bands) 
 }  // namespace
 
 ImagerySampler::ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, const HeightSampler& ground,
-                               double bare_albedo)
+                               double bare_albedo, const RasterCaches& caches)
     : bare_srgb_(srgb_255(bare_albedo)) {
   for (auto& raster : imagery) {
     BlockCache::Filter filter;
     if (layers_.empty() && raster->info().wraps && ground.default_data()) {
-      bottom_as_it_is_ = std::make_unique<BlockCache>(raster);
+      bottom_as_it_is_ = std::make_unique<BlockCache>(raster, caches);
       filter = [info = raster->info(), &ground](RasterBlock& block, uint32_t reduction, uint32_t bx, uint32_t by) {
         spread_land(block, land_of(info, ground, block, reduction, bx, by), info.bands);
       };
     }
-    layers_.push_back(std::make_unique<BlockCache>(std::move(raster), BlockCache::kBudgetBytes, std::move(filter)));
+    layers_.push_back(std::make_unique<BlockCache>(std::move(raster), caches, std::move(filter)));
   }
 }
 
@@ -215,6 +215,12 @@ double ImagerySampler::finest_pixel_deg(const TileBounds& tile) const {
   for (const auto& layer : layers_)
     if (overlaps(layer->info().bounds, tile)) finest = std::min(finest, layer->pixel_deg());
   return finest;
+}
+
+std::vector<SourceStats> ImagerySampler::source_stats() const {
+  std::vector<SourceStats> all;
+  for (const auto& layer : layers_) all.push_back(layer->stats());
+  return all;
 }
 
 uint64_t ImagerySampler::blocks_read() const {

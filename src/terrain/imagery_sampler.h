@@ -34,7 +34,8 @@ inline constexpr double kLeastIceLatitude_deg = 45.0;
 class ImagerySampler {
  public:
   /// `ground` says what is sea; it must outlive this object. `bare_albedo`: of the grey below everything, 0..1.
-  ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, const HeightSampler& ground, double bare_albedo = 0.2);
+  ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, const HeightSampler& ground, double bare_albedo = 0.2,
+                 const RasterCaches& caches = {});
 
   /// sRGB colours, 0..255, four floats a place (the fourth is unused), row by row.
   void colours(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg, float* rgbx) const;
@@ -43,6 +44,8 @@ class ImagerySampler {
   /// Pixel size in degrees of the finest raster that overlaps a tile; infinity without any.
   double finest_pixel_deg(const TileBounds& tile) const;
   uint64_t blocks_read() const;
+  /// What became of the blocks of every raster, bottom first.
+  std::vector<SourceStats> source_stats() const;
 
  private:
   void lay_all(const BlockCache* bottom, std::span<const double> lat_deg, std::span<const double> lon_deg,

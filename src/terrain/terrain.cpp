@@ -65,8 +65,9 @@ std::span<const std::byte> bytes_of(const std::vector<T>& v) {
 Terrain::Terrain(gpu::Device& device, TerrainSources sources, const TerrainParams& params)
     : device_(device),
       params_(params),
-      ground_(std::move(sources.elevation), sources.has_default, std::move(sources.geoid)),
-      imagery_(std::move(sources.imagery), ground_, sources.bare_albedo),
+      caches_(make_raster_caches(params)),
+      ground_(std::move(sources.elevation), sources.has_default, std::move(sources.geoid), caches_),
+      imagery_(std::move(sources.imagery), ground_, sources.bare_albedo, caches_),
       builder_(ground_, imagery_, Ellipsoid::wgs84()),
       metas_(builder_) {
   if (sources.water_mask) ground_.set_water_mask(std::move(sources.water_mask));
@@ -118,7 +119,7 @@ void Terrain::load_night_lights(const std::shared_ptr<Raster>& raster) {
   const Extent3D extent{width, height};
   std::vector<float> rgbx(size_t{width} * height * 4, 0.0f);
   if (raster) {
-    const BlockCache blocks(raster);
+    const BlockCache blocks(raster, caches_);
     std::vector<double> lon(width);
     for (uint32_t i = 0; i < width; ++i) lon[i] = -180.0 + 360.0 * (i + 0.5) / width;
     const uint32_t k = blocks.reduction_for(360.0 / width);

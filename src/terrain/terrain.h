@@ -67,6 +67,7 @@ class Terrain {
   const std::vector<SelectedTile>& selected() const { return selected_; }
   const HeightSampler& heights() const { return ground_; }
   const ImagerySampler& imagery() const { return imagery_; }
+  const RasterCaches& caches() const { return caches_; }
 
  private:
   struct Slot {
@@ -84,6 +85,7 @@ class Terrain {
 
   gpu::Device& device_;
   TerrainParams params_;
+  RasterCaches caches_;
   HeightSampler ground_;
   ImagerySampler imagery_;
   TileBuilder builder_;
