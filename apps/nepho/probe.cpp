@@ -8,8 +8,8 @@ namespace {
 const std::vector<ProbeKind>& probe_kinds() {
   static const std::vector<ProbeKind> kinds = [] {
     std::vector<ProbeKind> all;
-    for (const auto& subject :
-         {geo_probe_kinds(), astro_probe_kinds(), atmosphere_probe_kinds(), cloud_probe_kinds(), slab_probe_kinds()})
+    for (const auto& subject : {geo_probe_kinds(), astro_probe_kinds(), atmosphere_probe_kinds(), cloud_probe_kinds(),
+                                slab_probe_kinds(), terrain_probe_kinds()})
       all.insert(all.end(), subject.begin(), subject.end());
     return all;
   }();

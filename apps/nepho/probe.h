@@ -8,6 +8,7 @@
 
 namespace nepho {
 
+struct TerrainSources;
 struct WeatherSources;
 
 /// What `nepho probe` was told besides the kind. Kinds of plain geometry and astronomy ignore it; kinds that evaluate
@@ -17,6 +18,8 @@ struct ProbeOptions {
   std::string device;  ///< as `--device`; empty: the best one
   /// Opens what the weather of a scene is made from; kinds that look at clouds call it. Empty: nothing to open.
   std::function<WeatherSources(const Scene&)> open_weather;
+  /// The same of the ground; empty: the plain ellipsoid.
+  std::function<TerrainSources(const Scene&)> open_terrain = {};
 };
 
 /// Evaluates the program's own functions on the rows of a CSV table. Finds its input columns by name, in any order;

@@ -218,9 +218,12 @@ void ProbeTable::write(std::ostream& out, const std::vector<ProbeColumn>& result
   for (size_t row = 0; row < rows(); ++row) {
     for (const Column& column : columns_) add(&column == &columns_.front(), csv_cell(column.texts[row]));
     for (const ProbeColumn& result : results) {
-      NEPHO_ASSERT_OP(result.values.size(), ==, rows());
+      NEPHO_ASSERT_OP(std::max(result.values.size(), result.texts.size()), ==, rows());
       text += ',';
-      if (!std::isnan(result.values[row])) append_number(text, result.values[row]);
+      if (!result.texts.empty())
+        text += csv_cell(result.texts[row]);
+      else if (!std::isnan(result.values[row]))
+        append_number(text, result.values[row]);
     }
     text += '\n';
     if (text.size() < kPiece) continue;

@@ -35,10 +35,12 @@ struct ProbeInput {
   std::string group = {};
 };
 
-/// A column that a kind of probe writes. NaN is written as an empty cell: no result, as an optional input was blank.
+/// A column that a kind of probe writes: numbers or texts. NaN is written as an empty cell: no result, as an optional
+/// input was blank or there is none.
 struct ProbeColumn {
   std::string name;
   std::vector<double> values;
+  std::vector<std::string> texts = {};  ///< instead of values, one a row
 };
 
 /// The inputs of a probe, checked: numbers are finite, latitudes -90..90; NaN stands for a blank optional cell.
@@ -83,5 +85,6 @@ std::vector<ProbeKind> astro_probe_kinds();
 std::vector<ProbeKind> atmosphere_probe_kinds();
 std::vector<ProbeKind> cloud_probe_kinds();
 std::vector<ProbeKind> slab_probe_kinds();
+std::vector<ProbeKind> terrain_probe_kinds();
 
 }  // namespace nepho

@@ -119,8 +119,10 @@ int run(const std::vector<std::string>& arguments, const Program& program) {
   } else if (*compare_app) {
     compare.run(program);
   } else if (*probe_app) {
-    const ProbeOptions options{
-        .scene = probe_scene.scene(), .device = probe_device, .open_weather = program.open_weather};
+    const ProbeOptions options{.scene = probe_scene.scene(),
+                               .device = probe_device,
+                               .open_weather = program.open_weather,
+                               .open_terrain = program.open_terrain};
     require_inputs(options.scene);
     status = program.probe(kind, program.in, program.out, options);
   } else if (*info_app) {

@@ -17,6 +17,7 @@ struct Program {
   std::function<int(const std::string& kind, std::istream&, std::ostream&, const ProbeOptions&)> probe;
   std::function<void(bool as_json, std::ostream&)> info;
   std::function<WeatherSources(const Scene&)> open_weather;  ///< for probes; empty: there are no rasters
+  std::function<TerrainSources(const Scene&)> open_terrain = {};  ///< the same
   std::vector<std::string> layer_names;                      ///< that --aov knows
   std::vector<std::string> debug_views;                      ///< that --debug knows
   std::vector<std::string> probe_kinds;                      ///< for the help of `nepho probe`

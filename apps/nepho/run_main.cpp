@@ -22,6 +22,7 @@ int run_main(int argc, char** argv, const RasterAccess& rasters) {
        .probe = run_probe,
        .info = [&](bool as_json, std::ostream& out) { print_info(as_json, out, rasters); },
        .open_weather = [&](const Scene& scene) { return open_weather(rasters, scene); },
+       .open_terrain = [&](const Scene& scene) { return open_terrain(rasters, scene); },
        .layer_names = known_layers(),
        .debug_views = known_debug_views(),
        .probe_kinds = probe_kind_names(),

@@ -90,6 +90,8 @@ TerrainSources open_terrain(const RasterAccess& rasters, const Scene& scene) {
   for (const ImagerySource* source : in_order(scene.imagery.files))
     sources.imagery.push_back(open_picture(opener, *source, scene.terrain.source_timeout_s));
   if (!earth.night.empty()) sources.night_lights = opener.open_imagery(earth.night);
+  if (!scene.terrain.water_mask.empty())
+    sources.water_mask = opener.open_imagery(scene.terrain.water_mask, {.timeout_s = scene.terrain.source_timeout_s});
   sources.geoid = egm96();
   sources.bare_albedo = scene.imagery.bare_albedo;
   return sources;

@@ -35,7 +35,7 @@ ImageRef BackgroundPass::add(FrameGraph& graph, const FrameInfo& frame, const At
                              const Inputs& in) const {
   const ImageRef out = graph.create("background", {.extent = frame.extent, .format = Format::rgba32f});
   const Extent3D nodes = in.cloud_light ? graph.desc(in.cloud_light).extent : Extent3D{0, 0};
-  const shared::BackgroundPush push{kWind_mps,
+  const shared::BackgroundPush push{in.wind_mps,
                                     in.terrain.emission ? kNightLight_cd_m2 : 0.0f,
                                     in.sun_visibility ? 1u : 0u,
                                     static_cast<float>(params.ground_albedo),

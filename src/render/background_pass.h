@@ -12,7 +12,6 @@
 
 namespace nepho {
 
-inline constexpr float kWind_mps = 6.0f;          ///< a moderate breeze over the sea, the ocean's mean
 inline constexpr float kNightLight_cd_m2 = 8.0f;  ///< city centres seen from above (VIIRS: some 1e-7 W/cm2/sr)
 
 /// Shades the surface, the sky, stars, sun and moon as seen through clear air.
@@ -27,6 +26,7 @@ class BackgroundPass {
     bool has_sky_view = true;   ///< the atmosphere has sky views of the camera
     bool night = true;          ///< false: by day, when stars and airglow cannot be seen
     ImageRef sun_visibility;    ///< may be empty: no clouds
+    float wind_mps = 6.0f;      ///< over water (TerrainParams::water_wind_mps)
     BufferRef shafts = {};      ///< ShaftPass::add_constants(); empty: no haze
     uint32_t haze_layers = 0;   ///< of it
     ImageRef cloud_light = {};  ///< CloudLight::Refs::ground; empty: the sky is clear, or clouds are lit by octaves

@@ -51,6 +51,7 @@ ReferenceTracer::ReferenceTracer(gpu::Device& device, const Scene& scene, const 
     : device_(device),
       clouds_(clouds),
       render_(scene.render),
+      wind_mps_(static_cast<float>(scene.terrain.water_wind_mps)),
       bounds_(device, clouds),
       tracer_(device, clouds, mode_of(scene.render)),
       ground_(device),
@@ -156,7 +157,7 @@ void ReferenceTracer::trace(gpu::GraphExecutor& executor, const AtmosphereTables
                .width = picture_.width,
                .subpixels = subpixels_,
                .ground_albedo_scale = 1.0f,
-               .wind_mps = kWind_mps});
+               .wind_mps = wind_mps_});
   const auto pixels = static_cast<uint32_t>(samples.size());
   const shared::ReferencePush shade{.pixels = pixels,
                                     .seed = render_.seed,

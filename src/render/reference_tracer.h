@@ -55,6 +55,7 @@ class ReferenceTracer {
   gpu::Device& device_;
   const Clouds& clouds_;
   RenderParams render_;
+  float wind_mps_;
   CloudBoundsMap bounds_;
   PathTracer tracer_;
   GroundMap ground_;

@@ -108,9 +108,8 @@ Renderer::Renderer(gpu::Device& device, TerrainSources sources, const Scene& sce
   const auto start = Clock::now();
   parts_ = std::make_unique<Parts>(device, std::move(sources), sky, weather, scene, timings_);
   set_time(parse_utc(scene.time));
-  parts_->pose = resolve_camera(scene.camera, [this](double lat_rad, double lon_rad) {
-    return parts_->terrain.ground_height_m(lat_rad, lon_rad);
-  });
+  parts_->pose = resolve_camera(scene.camera, parts_->terrain.heights());
+  warn_if_lifted(parts_->pose);
   timings_.startup_ms = ms_since(start);
 }
 
@@ -184,7 +183,8 @@ RenderResult Renderer::render(const RenderRequest& request) {
                                       .night_sky = out.night_sky,
                                       .has_sky_view = !views.empty(),
                                       .night = NightSky::shows(frame.constants) || frame.constants.light_count > 1,
-                                      .sun_visibility = {}};
+                                      .sun_visibility = {},
+                                      .wind_mps = static_cast<float>(scene_.terrain.water_wind_mps)};
     CloudDensityRefs density;
     CloudShadowRefs shadow;
     CloudLight::Refs light;

@@ -71,7 +71,8 @@ RenderResult Renderer::render_reference(const RenderRequest& request) {
                           .night_sky = night_sky,
                           .has_sky_view = !views.empty(),
                           .night = NightSky::shows(frame.constants) || frame.constants.light_count > 1,
-                          .sun_visibility = {}});
+                          .sun_visibility = {},
+                          .wind_mps = static_cast<float>(scene_.terrain.water_wind_mps)});
     const bool centres = finer == 1u;
     if (centres) {
       graph.keep(terrain.depth_m);
