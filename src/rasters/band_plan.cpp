@@ -54,6 +54,21 @@ int bits_of(GDALRasterBand& band) {
   return text ? std::atoi(text) : GDALGetDataTypeSizeBits(band.GetRasterDataType());
 }
 
+/// The largest number of a band's data type, or 1 of floating point: white without a stretch.
+double full_range(GDALRasterBand& band) {
+  switch (band.GetRasterDataType()) {
+    case GDT_Byte:
+    case GDT_UInt16:
+    case GDT_UInt32:
+      return std::ldexp(1.0, bits_of(band)) - 1.0;
+    case GDT_Int16:
+    case GDT_Int32:
+      return std::ldexp(1.0, bits_of(band) - 1) - 1.0;
+    default:
+      return 1.0;
+  }
+}
+
 /// Valid numbers of a fixed sample of the colour bands, sorted.
 std::vector<float> sorted_sample(GDALDataset& dataset, const std::vector<int>& bands, const std::string& path,
                                  const GdalMessages& messages, int side = 512) {
@@ -176,7 +191,8 @@ BandPlan plan_elevation(GDALDataset& dataset, const std::string& path) {
     plan.alpha = 2;
     plan.alpha_max = alpha_max_of(*dataset.GetRasterBand(2));
   } else if (bands != 1) {
-    throw fail(ErrorKind::input, "{}: has {} bands, elevation has one; gdal_translate -b N takes one out", path, bands);
+    throw fail(ErrorKind::input, "{}: has {} bands, elevation has one; gdal_translate -b N takes one out{}", path,
+               bands, bands == 3 || bands == 4 ? "; where its colours are heights, encoding=terrarium or mapbox" : "");
   }
   GDALRasterBand& band = *dataset.GetRasterBand(1);
   if (band.GetColorInterpretation() == GCI_PaletteIndex)
@@ -187,7 +203,8 @@ BandPlan plan_elevation(GDALDataset& dataset, const std::string& path) {
   return plan;
 }
 
-BandPlan plan_imagery(GDALDataset& dataset, const std::string& path, const GdalMessages& messages) {
+BandPlan plan_imagery(GDALDataset& dataset, const std::string& path, const RasterReading& how,
+                      const GdalMessages& messages) {
   require_real_numbers(dataset, path);
   const int bands = dataset.GetRasterCount();
   BandPlan plan;
@@ -230,8 +247,12 @@ BandPlan plan_imagery(GDALDataset& dataset, const std::string& path, const GdalM
   GDALRasterBand& first = *dataset.GetRasterBand(plan.colors[0]);
   const int bits = bits_of(first);
   const std::string driver = dataset.GetDriver() ? dataset.GetDriverName() : "";
-  if (first.GetRasterDataType() == GDT_Byte || (driver == "PNG" && bits == 16)) {
+  if (how.black_white) {
+    stretch(plan, (*how.black_white)[0], (*how.black_white)[1]);
+  } else if (first.GetRasterDataType() == GDT_Byte || (driver == "PNG" && bits == 16)) {
     stretch(plan, 0.0, std::ldexp(1.0, bits) - 1.0);
+  } else if (!how.stretch) {
+    stretch(plan, 0.0, full_range(first));
   } else {
     const std::vector<float> sample = sorted_sample(dataset, plan.colors, path, messages);
     if (sample.empty()) return plan;  // nothing valid in the sample: keep the numbers

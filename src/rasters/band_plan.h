@@ -2,6 +2,7 @@
 #include <array>
 #include <vector>
 
+#include "io/raster.h"
 #include "rasters/gdal_support.h"
 
 namespace nepho {
@@ -17,6 +18,8 @@ struct BandPlan {
   double opacity_scale = 0.0;
   double scale = 1.0;  ///< delivered value = raw * scale + offset: metres, 0..255, or 0..1 for weather
   double offset = 0.0;
+  double exaggeration = 1.0;  ///< elevation: multiplies heights that were found good
+  double opacity = 1.0;       ///< imagery: multiplies alpha
   /// By index, where the one band of `colors` holds indices: RGBA 0..255, or the values of weather (NaN: no data).
   std::vector<std::array<float, 4>> palette;
 };
@@ -26,10 +29,12 @@ struct BandPlan {
 BandPlan plan_elevation(GDALDataset& dataset, const std::string& path);
 
 /// Grey, grey + alpha, RGB or RGBA (or four bands, the first three of them the picture); what is not 8 bits is
-/// stretched so that the 1st and 99th percentile of a sample of it become 0 and 255 (16-bit PNG: its full range).
+/// stretched so that the 1st and 99th percentile of a sample of it become 0 and 255 (16-bit PNG: its full range), or as
+/// `how` says.
 /// A palette stays indices here, with the index of "no data" transparent. Throws Error(input) for other numbers of
 /// bands.
-BandPlan plan_imagery(GDALDataset& dataset, const std::string& path, const GdalMessages& messages);
+BandPlan plan_imagery(GDALDataset& dataset, const std::string& path, const RasterReading& how,
+                      const GdalMessages& messages);
 
 /// Cloud cover by the rules of docs/weather.md. Throws Error(input) for numbers that are no cover and for other numbers
 /// of bands.

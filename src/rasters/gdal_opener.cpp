@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "rasters/default_earth.h"
 #include "rasters/gdal_raster.h"
+#include "rasters/gdal_source.h"
 
 namespace nepho {
 
@@ -14,82 +15,37 @@ namespace {
 
 class GdalOpener final : public RasterOpener {
  public:
-  std::shared_ptr<Raster> open_elevation(const std::string& path, const RasterReading&) const override {
-    return open(path, As::elevation);
+  std::shared_ptr<Raster> open_elevation(const std::string& path, const RasterReading& how) const override {
+    return open(path, RasterUse::elevation, how);
   }
-  std::shared_ptr<Raster> open_imagery(const std::string& path, const RasterReading&) const override {
-    return open(path, As::imagery);
+  std::shared_ptr<Raster> open_imagery(const std::string& path, const RasterReading& how) const override {
+    return open(path, RasterUse::imagery, how);
   }
-  std::shared_ptr<Raster> open_weather(const std::string& path) const override { return open(path, As::weather); }
-
+  std::shared_ptr<Raster> open_weather(const std::string& path) const override {
+    return open(path, RasterUse::weather, {});
+  }
   std::shared_ptr<Raster> open_tile(const std::string& path) const override {
-    init_gdal();
-    const GdalMessages messages;
-    std::vector<GDALDatasetUniquePtr> datasets;
-    datasets.push_back(open_dataset(path, messages));
-    PixelGrid grid;
-    grid.wraps = true;
-    grid.width = datasets[0]->GetRasterXSize();
-    grid.height = datasets[0]->GetRasterYSize();
-    if (std::max(grid.width, grid.height) > kLargestTile)
-      throw fail(ErrorKind::input, "{}: is {} x {} pixels; a weather tile has at most {} a side", path, grid.width,
-                 grid.height, kLargestTile);
-    BandPlan plan = plan_weather(*datasets[0], path, messages);
-    return make_raster(path, VerticalDatum::egm96, std::move(datasets), grid, std::move(plan));
+    return open(path, RasterUse::weather_tile, {});
   }
 
  private:
-  enum class As { elevation, imagery, weather };
-  static constexpr int kLargestTile = 4096;
-
-  static BandPlan plan_for(As as, GDALDataset& dataset, const std::string& path, const GdalMessages& messages) {
-    switch (as) {
-      case As::elevation:
-        return plan_elevation(dataset, path);
-      case As::imagery:
-        return plan_imagery(dataset, path, messages);
-      case As::weather:
-        break;
-    }
-    return plan_weather(dataset, path, messages);
-  }
-
-  static std::shared_ptr<Raster> make_raster(const std::string& path, VerticalDatum vertical,
-                                             std::vector<GDALDatasetUniquePtr> datasets, const PixelGrid& grid,
-                                             BandPlan plan) {
+  std::shared_ptr<Raster> open(const std::string& path, RasterUse use, const RasterReading& how) const {
+    OpenedSource opened = open_source(path, use, how);
+    const auto source = std::make_shared<const GdalSource>(std::move(opened.source));
+    const RasterLayout& layout = source->layout;
+    if (layout.grid.assumed_global) warn_once(path);
     RasterInfo info;
     info.path = path;
-    info.vertical = vertical;
-    info.width = static_cast<uint32_t>(grid.width);
-    info.height = static_cast<uint32_t>(grid.height);
-    info.bands = plan.elevation ? 1 : plan.weather ? static_cast<uint32_t>(plan.weather) : 4;
-    info.bounds = grid.bounds;
-    info.wraps = grid.wraps;
-    return std::make_shared<GdalRaster>(std::move(info), std::move(datasets), grid, std::move(plan));
-  }
-
-  std::shared_ptr<Raster> open(const std::string& path, As as) const {
-    init_gdal();
-    const GdalMessages messages;
-    std::vector<GDALDatasetUniquePtr> datasets;
-    datasets.push_back(open_dataset(path, messages));
-    const VerticalDatum vertical = as == As::elevation ? vertical_datum(*datasets.back(), path) : VerticalDatum::egm96;
-    // The grid first: it throws for what has no place, before any pixel is looked at.
-    std::optional<PixelGrid> grid = native_grid(*datasets.back(), path, messages);
-    BandPlan plan = plan_for(as, *datasets.back(), path, messages);
-    if (!grid) {
-      if (!plan.palette.empty()) {  // colours can be blended, indices cannot
-        for (GDALDatasetUniquePtr& step : expand_palette(*datasets.back(), path)) datasets.push_back(std::move(step));
-        plan = plan_for(as, *datasets.back(), path, messages);
-      }
-      WarpedDataset warped =
-          warp_to_lon_lat(*datasets.back(), path, as == As::elevation, plan.alpha_max, messages, as == As::weather);
-      datasets.push_back(std::move(warped.dataset));
-      grid = warped.grid;
-      plan.alpha = as == As::elevation ? 0 : datasets.back()->GetRasterCount();  // as the warper was asked for
-    }
-    if (grid->assumed_global) warn_once(path);
-    return make_raster(path, vertical, std::move(datasets), *grid, std::move(plan));
+    info.vertical = source->vertical;
+    info.opacity = use == RasterUse::elevation ? how.opacity : 1.0;
+    info.fingerprint = source->fingerprint;
+    info.width = layout.width;
+    info.height = layout.height;
+    info.bands = layout.plan.elevation ? 1 : layout.plan.weather ? static_cast<uint32_t>(layout.plan.weather) : 4;
+    info.bounds = layout.grid.bounds;
+    info.wraps = layout.grid.wraps;
+    return std::make_shared<GdalRaster>(
+        std::move(info), layout, std::move(opened.chain), [source] { return source->open(); }, source->most_openings);
   }
 
   void warn_once(const std::string& path) const {

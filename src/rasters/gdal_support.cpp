@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstring>
 #include <mutex>
+#include <set>
 #include <vector>
 
 #include "base/error.h"
@@ -77,6 +78,7 @@ void init_gdal() {
   static std::once_flag once;
   std::call_once(once, [] {
     set_default("GTIFF_REPORT_COMPD_CS", "YES");  // else GeoTIFF 1.0 loses its vertical datum
+    set_default("VRT_SHARED_SOURCE", "NO");       // openings of a VRT serve different threads
     GDALAllRegister();
     grow_cache();
   });
@@ -100,28 +102,49 @@ std::string GdalMessages::crs_complaint() const { return bracketed(crs_); }
 
 bool GdalMessages::contains(const std::string& words) const { return all_.find(words) != std::string::npos; }
 
-GDALDatasetUniquePtr open_dataset(const std::string& path, const GdalMessages& messages) {
+void refuse_pipes(const std::string& path) {
+  VSIStatBufL stat;
+  if (VSIStatL(path.c_str(), &stat) != 0 || VSI_ISREG(stat.st_mode) || VSI_ISDIR(stat.st_mode)) return;
+  throw fail(ErrorKind::input, "{}: is a pipe or device; give a file", path);
+}
+
+void set_network_timeout(double seconds) {
+  static std::mutex mutex;
+  static std::set<std::string> ours;
+  const std::lock_guard lock(mutex);
+  const auto set = [&](const char* name, const std::string& value) {
+    if (CPLGetConfigOption(name, nullptr) && !ours.contains(name)) return;
+    ours.insert(name);
+    CPLSetConfigOption(name, value.c_str());
+  };
+  set("GDAL_HTTP_TIMEOUT", fmt::format("{:.3f}", seconds));
+  set("GDAL_HTTP_CONNECTTIMEOUT", fmt::format("{:.3f}", seconds));
+  set("GDAL_HTTP_MAX_RETRY", "1");
+  set("GDAL_HTTP_RETRY_DELAY", "0.5");
+}
+
+GDALDatasetUniquePtr open_dataset(const std::string& path, const GdalMessages& messages, const std::string& name) {
   init_gdal();
   VSIStatBufL stat;
   const bool on_disk = VSIStatL(path.c_str(), &stat) == 0;
   if (path.empty() || (!on_disk && path.find(':') == std::string::npos && path.find('<') == std::string::npos))
-    throw fail(ErrorKind::input, "{}: no such file", path.empty() ? "(empty file name)" : path);
+    throw fail(ErrorKind::input, "{}: no such file", name.empty() ? "(empty file name)" : name);
   if (on_disk && VSI_ISREG(stat.st_mode) && stat.st_size == 0)
-    throw fail(ErrorKind::input, "{}: is an empty file", path);
+    throw fail(ErrorKind::input, "{}: is an empty file", name);
 
   GDALDatasetUniquePtr dataset(
       GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
   if (!dataset && on_disk && VSI_ISDIR(stat.st_mode))
-    throw fail(ErrorKind::input, "{}: is a folder, not a raster file", path);
-  if (!dataset) throw fail(ErrorKind::input, "{}: is not a raster that GDAL can open{}", path, messages.in_brackets());
+    throw fail(ErrorKind::input, "{}: is a folder, not a raster file", name);
+  if (!dataset) throw fail(ErrorKind::input, "{}: is not a raster that GDAL can open{}", name, messages.in_brackets());
   if (dataset->GetRasterCount() == 0) {
     const std::string inside = first_subdatasets(*dataset);
-    throw fail(ErrorKind::input, "{}: {}", path,
+    throw fail(ErrorKind::input, "{}: {}", name,
                inside.empty() ? "holds no raster bands" : "holds several rasters; name one of them: " + inside);
   }
   const std::string marker = end_marker(dataset->GetDriverName());
   if (marker.empty() ? !first_and_last_pixel_readable(*dataset) : !ends_with_marker(path, marker))
-    throw fail(ErrorKind::input, "{}: is cut off or damaged, its pixels cannot be read{}", path,
+    throw fail(ErrorKind::input, "{}: is cut off or damaged, its pixels cannot be read{}", name,
                messages.in_brackets());
   return dataset;
 }

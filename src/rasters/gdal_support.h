@@ -32,6 +32,14 @@ class GdalMessages {
 /// Opens a raster for reading. Throws Error(input) with one line: missing, empty, a folder, cut off, not a raster, no
 /// bands. The last pixel is read on the way (JPEG, PNG: the end marker
 /// looked for), so that a file that was cut off is found now and not in mid-frame.
-GDALDatasetUniquePtr open_dataset(const std::string& path, const GdalMessages& messages);
+/// `name` is what messages call it.
+GDALDatasetUniquePtr open_dataset(const std::string& path, const GdalMessages& messages, const std::string& name);
+
+/// Throws Error(input) for a pipe or device, whose opening or reading could wait for ever.
+void refuse_pipes(const std::string& path);
+
+/// After this time a server that does not answer has failed, and one that says it is busy has been asked twice.
+/// Settings of GDAL in the environment (GDAL_HTTP_TIMEOUT, ...) win.
+void set_network_timeout(double seconds);
 
 }  // namespace nepho

@@ -307,8 +307,35 @@ VerticalDatum vertical_datum(GDALDataset& dataset, const std::string& path) {
   return VerticalDatum::egm96;
 }
 
-WarpedDataset warp_to_lon_lat(GDALDataset& source, const std::string& path, bool elevation, double alpha_max,
-                              const GdalMessages& messages, bool alpha_is_data) {
+namespace {
+
+/// Levels of half the resolution each that an overview of the source suits, neither finer than its pixels nor much
+/// coarser, so that far looks read no more than they show.
+std::vector<WarpPlan::Level> warp_levels(GDALDataset& source, int width, int height) {
+  std::vector<WarpPlan::Level> levels = {{}};
+  GDALRasterBand& band = *source.GetRasterBand(1);
+  constexpr int kSmall = 256;  // px
+  for (uint32_t k = 1; k < 31 && (std::max(width, height) >> (k - 1)) > kSmall; ++k) {
+    const double wanted = std::ldexp(1.0, static_cast<int>(k));
+    double best = 0.0;
+    WarpPlan::Level level{.level = k};
+    for (int i = 0; i < band.GetOverviewCount(); ++i) {
+      GDALRasterBand* overview = band.GetOverview(i);
+      if (!overview || overview->GetXSize() < 1) continue;
+      const double ratio = double(band.GetXSize()) / overview->GetXSize();
+      if (ratio > 1.1 * wanted || ratio < 0.6 * wanted || ratio < best) continue;
+      best = ratio;
+      level.overview = i;
+    }
+    if (level.overview >= 0) levels.push_back(level);
+  }
+  return levels;
+}
+
+}  // namespace
+
+WarpPlan plan_warp(GDALDataset& source, const std::string& path, bool elevation, double alpha_max,
+                   const GdalMessages& messages, bool alpha_is_data) {
   const bool assume_degrees = needs_assumed_degrees(source);
   const PixelToLonLat lon_lat_from_pixel(source, assume_degrees);
   const auto f = lon_lat_from_pixel ? footprint_of(source, lon_lat_from_pixel) : std::nullopt;
@@ -323,20 +350,23 @@ WarpedDataset warp_to_lon_lat(GDALDataset& source, const std::string& path, bool
   const double source_pixels = double(source.GetRasterXSize()) * source.GetRasterYSize();
   const double wanted = (f->east - f->west) / f->lon_step * ((f->north - f->south) / f->lat_step);
   const double coarser = std::max(1.0, std::sqrt(wanted / (kMostPixels * source_pixels + 1e6)));
-  const int width = std::max(1, static_cast<int>(std::ceil((f->east - f->west) / (f->lon_step * coarser) - 1e-6)));
-  const int height = std::max(1, static_cast<int>(std::ceil((f->north - f->south) / (f->lat_step * coarser) - 1e-6)));
-  const double lon_step = f->global ? 360.0 / width : f->lon_step * coarser;
+  int width = std::max(1, static_cast<int>(std::ceil((f->east - f->west) / (f->lon_step * coarser) - 1e-6)));
+  int height = std::max(1, static_cast<int>(std::ceil((f->north - f->south) / (f->lat_step * coarser) - 1e-6)));
+  WarpPlan plan;
+  plan.levels = warp_levels(source, width, height);
+  const uint32_t halvings = plan.levels.back().level;
+  width = static_cast<int>(((static_cast<int64_t>(width) - 1) >> halvings) + 1) << halvings;
+  height = static_cast<int>(((static_cast<int64_t>(height) - 1) >> halvings) + 1) << halvings;
+  const double lon_step = f->global || halvings > 0 ? (f->east - f->west) / width : f->lon_step * coarser;
   const double lat_step = (f->north - f->south) / height;
   const double east = f->global ? 180.0 : f->west + lon_step * width;
 
-  CPLStringList args;
   const auto add = [&](std::initializer_list<std::string> words) {
-    for (const std::string& word : words) args.AddString(word.c_str());
+    plan.args.insert(plan.args.end(), words.begin(), words.end());
   };
   const auto degrees = [](double v) { return fmt::format("{:.17g}", v); };
   add({"-of", "VRT", "-q", "-t_srs", "EPSG:4326", "-r", "bilinear", "-et", "0.05", "-wo", "UNIFIED_SRC_NODATA=YES"});
   add({"-te", degrees(f->west), degrees(f->south), degrees(east), degrees(f->north)});
-  add({"-ts", std::to_string(width), std::to_string(height)});
   if (assume_degrees) add({"-s_srs", "EPSG:4326"});
   if (elevation) {
     add({"-ot", "Float32", "-dstnodata", "nan", "-novshift"});
@@ -350,15 +380,29 @@ WarpedDataset warp_to_lon_lat(GDALDataset& source, const std::string& path, bool
     add({"-dstalpha", "-wo", "SRC_ALPHA_MAX=" + most, "-wo", "DST_ALPHA_MAX=" + most});
     if (alpha_is_data) add({"-nosrcalpha"});
   }
+  plan.width = width;
+  plan.height = height;
+  plan.grid = grid_of({f->west, lon_step, 0.0, f->north, 0.0, -lat_step}, width, height);
+  return plan;
+}
+
+GDALDatasetUniquePtr warp(GDALDataset& source, const WarpPlan& plan, const WarpPlan::Level& level,
+                          const std::string& path, const GdalMessages& messages, const std::string& file) {
+  CPLStringList args;
+  for (const std::string& word : plan.args) args.AddString(word.c_str());
+  const auto reduced = [&](int size) { return std::to_string(std::max(1, size >> level.level)); };
+  for (const std::string& word : {std::string("-ts"), reduced(plan.width), reduced(plan.height), std::string("-ovr"),
+                                  level.overview < 0 ? std::string("NONE") : std::to_string(level.overview)})
+    args.AddString(word.c_str());
   std::unique_ptr<GDALWarpAppOptions, decltype(&GDALWarpAppOptionsFree)> options(
       GDALWarpAppOptionsNew(args.List(), nullptr), &GDALWarpAppOptionsFree);
   GDALDatasetH handles[] = {GDALDataset::ToHandle(&source)};
   int misuse = FALSE;
-  WarpedDataset out;
-  if (options) out.dataset.reset(GDALDataset::FromHandle(GDALWarp("", nullptr, 1, handles, options.get(), &misuse)));
-  if (!out.dataset) throw fail(ErrorKind::input, "{}: cannot be warped to EPSG:4326{}", path, messages.in_brackets());
-  out.grid = grid_of({f->west, lon_step, 0.0, f->north, 0.0, -lat_step}, width, height);
-  return out;
+  GDALDatasetUniquePtr warped;
+  if (options)
+    warped.reset(GDALDataset::FromHandle(GDALWarp(file.c_str(), nullptr, 1, handles, options.get(), &misuse)));
+  if (!warped) throw fail(ErrorKind::input, "{}: cannot be warped to EPSG:4326{}", path, messages.in_brackets());
+  return warped;
 }
 
 }  // namespace nepho

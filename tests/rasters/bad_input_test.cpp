@@ -49,7 +49,8 @@ TEST_CASE("bad input: missing, empty, a folder, not a raster") {
   check_refused("NETCDF:\"" + (folder / "missing.nc").string() + "\":z", "is not a raster that GDAL can open");
   std::ofstream(folder / "empty.tif").flush();
   check_refused((folder / "empty.tif").string(), "is an empty file");
-  check_refused(folder.path().string(), "is a folder, not a raster file");
+  std::filesystem::create_directory(folder / "none");
+  check_refused((folder / "none").string(), "is a folder without rasters");
   std::ofstream(folder / "text.tif") << "heights of my garden: 1 2 3";
   check_refused((folder / "text.tif").string(), "is not a raster that GDAL can open");
   std::ofstream(folder / "vector.geojson") << R"({"type":"FeatureCollection","features":[]})";

@@ -1,0 +1,42 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "io/raster.h"
+#include "rasters/dataset_handle.h"
+#include "rasters/height_colours.h"
+#include "rasters/tile_names.h"
+
+namespace nepho {
+
+/// What a raster is opened as.
+enum class RasterUse { elevation, imagery, weather, weather_tile };
+
+/// A name that a user gave, understood: how to open it once more, with every decision taken at the first look.
+struct GdalSource {
+  std::string path;  ///< as the user named it
+  RasterUse use = RasterUse::elevation;
+  std::string dataset;           ///< what GDAL opens: a name, or a VRT in XML
+  std::optional<TileSet> tiles;  ///< instead of `dataset`
+  HeightCode code = HeightCode::none;
+  bool expand_palette = false;
+  std::optional<WarpPlan> warp;
+  RasterLayout layout;
+  VerticalDatum vertical = VerticalDatum::egm96;
+  size_t most_openings = 1;
+  std::string fingerprint;  ///< RasterInfo's
+
+  /// Opens it again. Throws Error(input).
+  DatasetChain open() const;
+};
+
+struct OpenedSource {
+  GdalSource source;
+  DatasetChain chain;
+};
+
+/// Finds out what `path` is (a file, a folder of rasters or of tiles, a template of tiles, a GDAL connection) and opens
+/// it. Throws Error(input), one line.
+OpenedSource open_source(const std::string& path, RasterUse use, const RasterReading& how);
+
+}  // namespace nepho
