@@ -14,7 +14,8 @@ namespace {
 
 constexpr double kMetresPerDegree = 6371008.8 * std::numbers::pi / 180.0;
 
-/// Bilinear values of one raster; weight is the bilinear share of valid pixels, values are of the valid ones alone.
+/// Bilinear values of one raster; weight is the bilinear share of valid pixels times the raster's opacity, values are
+/// of the valid ones alone.
 /// Returns false when no place has any data.
 bool sample_layer(const BlockCache& raster, std::span<const double> lat_deg, std::span<const double> lon_deg,
                   uint32_t reduction, std::vector<double>& value, std::vector<float>& weight) {
@@ -56,6 +57,8 @@ bool sample_layer(const BlockCache& raster, std::span<const double> lat_deg, std
                              : 0.0;
     }
   }
+  if (const auto opacity = static_cast<float>(raster.info().opacity); opacity < 1.0f)
+    for (float& w_out : weight) w_out *= opacity;
   return true;
 }
 

@@ -19,8 +19,10 @@ float srgb_255(double linear) {
 /// Four floats at once: a colour.
 using Colour = float __attribute__((vector_size(16)));
 
-Colour load(const float* p) { return Colour{p[0], p[1], p[2], 0.0f}; }
-Colour load_grey(const float* p) { return Colour{p[0], p[0], p[0], 0.0f}; }
+// The fourth is alpha, 0..255.
+Colour load(const float* p) { return Colour{p[0], p[1], p[2], 255.0f}; }
+Colour load_rgba(const float* p) { return Colour{p[0], p[1], p[2], p[3]}; }
+Colour load_grey(const float* p) { return Colour{p[0], p[0], p[0], 255.0f}; }
 
 }  // namespace
 
@@ -44,8 +46,9 @@ RasterCoverage lay_over(const BlockCache& raster, uint32_t reduction, std::span<
   const size_t bands = w.bands;
   const auto at = [&](size_t row, size_t column) {
     const float* p = &w.values[(row * w.columns + column) * bands];
-    return bands >= 3 ? load(p) : load_grey(p);
+    return bands == 4 ? load_rgba(p) : bands >= 3 ? load(p) : load_grey(p);
   };
+  bool opaque = true;
   for (size_t j = 0; j < lat_deg.size(); ++j) {
     const RasterAxis::Tap ty = y.taps[j];
     const auto fy = static_cast<float>(ty.f);
@@ -59,20 +62,27 @@ RasterCoverage lay_over(const BlockCache& raster, uint32_t reduction, std::span<
         const Colour top = at(ty.a, tx.a) * (1.0f - fx) + at(ty.a, tx.b) * fx;
         const Colour low = at(ty.b, tx.a) * (1.0f - fx) + at(ty.b, tx.b) * fx;
         const Colour c = top * (1.0f - fy) + low * fy;
-        for (int b = 0; b < 3; ++b) out[b] = c[b];
-        continue;
+        if (c[3] >= 254.99f) {  // of four opaque texels, but for rounding
+          for (int b = 0; b < 3; ++b) out[b] = c[b];
+          continue;
+        }
       }
       const float waa = valid_a[tx.a] ? (1.0f - fx) * (1.0f - fy) : 0.0f;
       const float wab = valid_a[tx.b] ? fx * (1.0f - fy) : 0.0f;
       const float wba = valid_b[tx.a] ? (1.0f - fx) * fy : 0.0f;
       const float wbb = valid_b[tx.b] ? fx * fy : 0.0f;
-      const float sum = std::min(1.0f, waa + wab + wba + wbb);
+      // A texel counts by its alpha.
+      const auto weighted = [](Colour c, float weight) { return c * (weight * c[3] / 255.0f); };
+      const auto share = [](Colour c, float weight) { return weight * c[3] / 255.0f; };
+      const Colour caa = at(ty.a, tx.a), cab = at(ty.a, tx.b), cba = at(ty.b, tx.a), cbb = at(ty.b, tx.b);
+      const float sum = std::min(1.0f, share(caa, waa) + share(cab, wab) + share(cba, wba) + share(cbb, wbb));
+      opaque = opaque && sum >= 1.0f;
       if (sum <= 0.0f) continue;
-      const Colour c = at(ty.a, tx.a) * waa + at(ty.a, tx.b) * wab + at(ty.b, tx.a) * wba + at(ty.b, tx.b) * wbb;
+      const Colour c = weighted(caa, waa) + weighted(cab, wab) + weighted(cba, wba) + weighted(cbb, wbb);
       for (int b = 0; b < 3; ++b) out[b] = out[b] * (1.0f - sum) + c[b];
     }
   }
-  return w.all_valid ? RasterCoverage::all : RasterCoverage::some;
+  return w.all_valid && opaque ? RasterCoverage::all : RasterCoverage::some;
 }
 
 namespace {
