@@ -65,13 +65,13 @@ class Raster {
 /// How a raster is to be read, where it does not say so itself.
 struct RasterReading {
   double opacity = 1.0;  ///< 0..1; of imagery it multiplies alpha, of elevation it is RasterInfo::opacity
-  std::optional<VerticalDatum> vertical;  ///< elevation; none: from the CRS, else EGM96
-  double vertical_scale = 1.0;            ///< elevation: multiplies heights
-  std::string encoding = "auto";          ///< elevation in colours: auto, none, terrarium, mapbox
+  std::optional<VerticalDatum> vertical = {};  ///< elevation; none: from the CRS, else EGM96
+  double vertical_scale = 1.0;                 ///< elevation: multiplies heights
+  std::string encoding = "auto";               ///< elevation in colours: auto, none, terrarium, mapbox
   bool stretch = true;  ///< imagery that is not 8 bits: percentiles; false: the data type's full range
-  std::optional<std::array<double, 2>> black_white;  ///< imagery: these numbers become black and white instead
-  int min_zoom = 0, max_zoom = -1;                   ///< of tiles; -1: as found, or a usual one
-  double timeout_s = 20.0;                           ///< a source on the network that does not answer has failed
+  std::optional<std::array<double, 2>> black_white = {};  ///< imagery: these numbers become black and white instead
+  int min_zoom = 0, max_zoom = -1;                        ///< of tiles; -1: as found, or a usual one
+  double timeout_s = 20.0;                                ///< a source on the network that does not answer has failed
 };
 
 /// Opens rasters; `rasters` implements it with GDAL, tests with arrays. Only apps know which.
