@@ -6,7 +6,7 @@
 #include "terrain/terrain_shared.h"
 
 layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
-layout(scalar, set = 0, binding = 1) readonly buffer VertexBlock { float at[]; } vertices;
+layout(scalar, set = 0, binding = 1) readonly buffer VertexBlock { uvec4 at[]; } vertices;  // TileVertex, two each
 layout(scalar, set = 0, binding = 2) readonly buffer TileBlock { TerrainTile at[]; } tiles;
 layout(scalar, push_constant) uniform Push { TerrainRasterPush push; };
 
@@ -17,10 +17,14 @@ invariant gl_Position;
 void main() {
   TerrainTile tile = tiles.at[gl_InstanceIndex];
   uint index = uint(gl_VertexIndex);
-  uint base = (tile.slot * kTerrainVertices + terrain_vertex(index, tile.edges)) * 6u;
-  vec3 hi = vec3(vertices.at[base], vertices.at[base + 1u], vertices.at[base + 2u]);
-  vec3 lo = vec3(vertices.at[base + 3u], vertices.at[base + 4u], vertices.at[base + 5u]);
-  precise vec3 p = (hi - push.camera_hi_m) + (lo - push.camera_lo_m);
+  uint base = (tile.slot * kTerrainVertices + terrain_vertex(index, tile.edges)) * 2u;
+  uvec4 a = vertices.at[base];
+  uvec4 b = vertices.at[base + 1u];
+  vec3 hi = uintBitsToFloat(a.xyz);
+  vec3 lo = uintBitsToFloat(uvec3(a.w, b.xy));
+  vec3 to_parent = vec3(unpackHalf2x16(b.z), unpackHalf2x16(b.w).x);
+  float left = 1.0 - terrain_morph(index, tile.morph, tile.edge_morph, tile.corner_morph);
+  precise vec3 p = ((hi - push.camera_hi_m) + (lo - push.camera_lo_m)) + left * to_parent;
   // p = w (forward + x right + y up); reversed Z with the far plane at infinity: depth = near / w.
   FrameConstants f = frame.frame_data;
   precise float w = dot(p, f.forward);

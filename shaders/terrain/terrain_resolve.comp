@@ -43,10 +43,13 @@ void main() {
     float cos_view = max(abs(dot(up, dir)), 0.1);
     float footprint_m = distance_m * f.pixel_angle_rad * inversesqrt(cos_view);
     float lod = log2(max(footprint_m / (tile.texel_m * sqrt(cos_lat)), 1.0e-6));
+    // A tile that has just replaced its parent shows the parent's texels (its own, one mip coarser), and sharpens as it
+    // takes its own shape.
+    float coarsened = 1.0 - tile.morph;
     vec4 texel = textureLod(imagery_tex,
                             vec3(terrain_atlas_coordinate(uv.x, kTerrainImageryTexels),
                                  terrain_atlas_coordinate(uv.y, kTerrainImageryTexels), float(tile.slot)),
-                            clamp(lod, 0.0, float(kTerrainImageryMips) - 1.0));
+                            clamp(lod, coarsened, float(kTerrainImageryMips) - 1.0));
     bool water = texel.a >= 0.5;
     normal = up;
     albedo = vec4(0.0, 0.0, 0.0, 2.0);
@@ -55,7 +58,7 @@ void main() {
       vec2 slope = textureLod(slope_tex,
                               vec3(terrain_atlas_coordinate(uv.x, kTerrainSlopeTexels),
                                    terrain_atlas_coordinate(uv.y, kTerrainSlopeTexels), float(tile.slot)),
-                              clamp(lod - 1.0, 0.0, float(kTerrainSlopeMips) - 1.0)).rg;
+                              clamp(lod - 1.0, coarsened, float(kTerrainSlopeMips) - 1.0)).rg;
       vec3 east = vec3(-up.y, up.x, 0.0) / max(length(up.xy), 1.0e-6);
       vec3 north = cross(up, east);
       normal = normalize(up - slope.x * east - slope.y * north);

@@ -17,9 +17,11 @@ struct TerrainTile {
   uint slot;         // layer of the atlases, and place in the vertex buffer
   uint edges;        // kEdge... and kCorner... bits of src/terrain/tile_mesh.h: borders that take the coarser level's heights
   float texel_m;     // size of an imagery texel, m
-  float pad0;
+  float morph;       // how much of its own shape the tile has: 0 the parent's, 1 all (src/terrain/tile_select.h)
   vec2 map_origin;   // north-west corner on the world map: u = (lon + 180) / 360, v = (90 - lat) / 180
   vec2 map_size;     // of the tile, in the same units
+  vec4 edge_morph;   // north, east, south, west; corners excluded
+  vec4 corner_morph; // north-west, north-east, south-east, south-west
 };
 
 struct TerrainRasterPush {
@@ -49,6 +51,18 @@ SHARED_FN uint terrain_vertex(uint index, uint edges) {
   else if (south && !west) ring = n + (n - column) / 2u;
   else ring = 3u * n / 2u + (n - row) / 2u;
   return (n + 1u) * (n + 1u) + ring;
+}
+
+// How much of its own shape the tile has at a grid place: what tiles share there they move alike.
+SHARED_FN float terrain_morph(uint index, float inner, vec4 edge, vec4 corner) {
+  uint n = kTerrainQuads;
+  uint column = index % (n + 1u);
+  uint row = index / (n + 1u);
+  bool west = column == 0u;
+  bool east = column == n;
+  if (row == 0u) return west ? corner.x : (east ? corner.y : edge.x);
+  if (row == n) return west ? corner.w : (east ? corner.z : edge.z);
+  return west ? edge.w : (east ? edge.y : inner);
 }
 
 // Atlas coordinate of a place on a tile (uv 0..1 from its north-west corner).

@@ -141,7 +141,14 @@ void Renderer::advance_atmosphere() {
   parts_->light = FrameLight::from(parts_->sky, sun_illuminance_at_1au(scene_.atmosphere), scene_.night_sky.moon);
 }
 
+void Renderer::set_camera(const CameraParams& camera) {
+  scene_.camera = camera;
+  parts_->pose = resolve_camera(camera, parts_->terrain.heights());
+}
+
 CameraPose Renderer::pose() const { return parts_->pose; }
+
+const Terrain& Renderer::terrain() const { return parts_->terrain; }
 
 RenderResult Renderer::render(const RenderRequest& request) {
   if (parts_->reference) return render_reference(request);

@@ -52,6 +52,10 @@ struct RenderRequest {
   /// Quality reference: goes on from this picture's paths (its layers R, G, B, variance, samples and cloud). Null: from
   /// none. Throws Error(input) for a picture without them or of another size.
   const ImageBuffer* resume = nullptr;
+  /// Draw the ground as far as it is loaded, instead of waiting for all that the view needs.
+  bool incomplete_ok = false;
+  /// Told how many of the tiles of ground that the view lacks are there.
+  std::function<void(size_t done, size_t of)> on_ground = {};
 };
 
 struct RenderResult {
@@ -72,11 +76,14 @@ class Renderer {
   ~Renderer();
   /// The camera of the scene, placed on the drawn ground where its height depends on it.
   CameraPose pose() const;
+  /// Moves the camera; from the next render() on. Throws Error(usage) as resolve_camera() does.
+  void set_camera(const CameraParams& camera);
   /// Moves the scene's clock: sun, moon, stars and clouds are those of the moment from the next render() on. With a
   /// second moment sun, moon and stars are that one's.
   void set_time(const UtcInstant& utc, const std::optional<UtcInstant>& sky = std::nullopt);
   RenderResult render(const RenderRequest& request);
   const RenderTimings& timings() const { return timings_; }
+  const Terrain& terrain() const;
 
   /// Changes the air: its tables are computed a little in every following render(), which draws the old air until they
   /// are ready. Throws Error(usage) for parameters that make no sense.

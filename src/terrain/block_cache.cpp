@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <thread>
-
-#include "base/log.h"
 
 namespace nepho {
 
@@ -25,14 +22,6 @@ constexpr uint32_t kDirectReductions = 3;
 constexpr double kDear_s = 0.002;
 /// Reading more pixels than this to learn a raster's range is too much.
 constexpr uint64_t kDearPixels = uint64_t{1} << 24;
-
-constexpr double kPauses_s[] = {0.05, 0.25};
-/// After this many failed blocks in a row no time is lost with trying again.
-constexpr uint32_t kFailuresInRow = 3;
-/// After this many even a tenth of the timeout spent on nothing but errors is enough.
-constexpr uint32_t kManyFailures = 64;
-/// A read that computed for longer than this failed on its data; another try would compute the same.
-constexpr double kHardWork_s = 0.25;
 
 constexpr uint64_t kOwnBit = uint64_t{1} << 63;
 
@@ -59,10 +48,9 @@ RasterCaches completed(RasterCaches caches) {
 }  // namespace
 
 BlockCache::BlockCache(std::shared_ptr<Raster> raster, RasterCaches caches, Filter filter)
-    : raster_(std::move(raster)),
+    : raster_(SourceReader::of(std::move(raster), caches.timeout_s)),
       info_(raster_->info()),
       caches_(completed(std::move(caches))),
-      caller_(caches_.timeout_s),
       source_(caches_.disk ? BlockStore::source_of(info_) : BlockStore::Source{}),
       filter_(std::move(filter)),
       blocks_(caches_.memory) {
@@ -130,76 +118,17 @@ BlockCache::Block BlockCache::load(uint32_t reduction, uint32_t bx, uint32_t by)
   }
   const auto start = std::chrono::steady_clock::now();
   if (!kept && averaged) {
-    out = may_be_read() ? average_children(reduction, bx, by) : empty_block(reduction, bx, by);
+    out = raster_->may_be_read() ? average_children(reduction, bx, by) : empty_block(reduction, bx, by);
     ++averaged_;
   } else if (!kept) {
-    if (std::optional<RasterBlock> own = read_with_retries(reduction, bx, by))
-      out.data = std::move(*own);
-    else
-      return replace_failed(reduction, bx, by);
+    Result<RasterBlock> own = raster_->read_block(reduction, bx, by);
+    if (!own) return replace_failed(reduction, bx, by);
+    out.data = std::move(*own);
   }
   if (on_disk && !kept && !out.failed && seconds_since(start) > kDear_s)
     caches_.disk->save(source_, reduction, bx, by, std::make_shared<const RasterBlock>(out.data));
   if (!averaged && filter_) filter_(out.data, reduction, bx, by);
   return out;
-}
-
-std::optional<RasterBlock> BlockCache::read_with_retries(uint32_t reduction, uint32_t bx, uint32_t by) const {
-  const uint32_t tries = failures_in_row_ >= kFailuresInRow ? 1 : 1 + std::size(kPauses_s);
-  std::string reason;
-  double waited_s = 0.0;
-  for (uint32_t i = 0; i < tries && may_be_read(); ++i) {
-    if (i > 0) {
-      ++retried_;
-      std::this_thread::sleep_for(std::chrono::duration<double>(kPauses_s[i - 1]));
-    }
-    const auto start = std::chrono::steady_clock::now();
-    double call_s = 0.0;
-    std::optional<Result<RasterBlock>> result;
-    try {
-      // Owns the raster: the call may outlive this object.
-      result = caller_.call([raster = raster_, reduction, bx, by] { return raster->read_block(reduction, bx, by); },
-                            &call_s);
-      if (!result) reason = fmt::format("{}: does not answer within {:.3g} s", info_.path, caller_.patience_s());
-    } catch (const std::exception& e) {
-      result = Result<RasterBlock>::failed(fmt::format("{}: {}", info_.path, e.what()));
-    }
-    waited_s += call_s;
-    if (!result) break;
-    ++read_;
-    if (*result) {
-      RasterBlock& block = **result;
-      const uint32_t width = std::min(kSide, width_at(reduction) - bx * kSide);
-      const uint32_t height = std::min(kSide, height_at(reduction) - by * kSide);
-      const size_t pixels = size_t{width} * height;
-      if (block.width == width && block.height == height && block.valid.size() == pixels &&
-          block.values.size() == pixels * info_.bands) {
-        failures_in_row_ = 0;
-        const std::lock_guard lock(failure_mutex_);
-        failing_s_ = 0.0;
-        return std::move(block);
-      }
-      reason = fmt::format("{}: delivers blocks of another size than it should", info_.path);
-    } else {
-      reason = result->reason();
-    }
-    if (seconds_since(start) - call_s > kHardWork_s) break;
-  }
-  ++failed_;
-  count_failure(reason, waited_s);
-  return std::nullopt;
-}
-
-void BlockCache::count_failure(const std::string& reason, double waited_s) const {
-  const uint32_t in_row = ++failures_in_row_;
-  const std::lock_guard lock(failure_mutex_);
-  failing_s_ += waited_s;
-  const double most_s = in_row >= kManyFailures ? 0.1 * caches_.timeout_s : caches_.timeout_s;
-  if (caches_.timeout_s > 0.0 && failing_s_ > most_s) given_up_ = true;
-  if (!failure_.empty() || reason.empty()) return;
-  failure_ = reason;
-  log_warning("{}; {}", reason,
-              caller_.given_up() ? "it is left out from here on" : "what lies below shows in such places");
 }
 
 BlockCache::Block BlockCache::empty_block(uint32_t reduction, uint32_t bx, uint32_t by) const {
@@ -216,7 +145,7 @@ BlockCache::Block BlockCache::empty_block(uint32_t reduction, uint32_t bx, uint3
 
 BlockCache::Block BlockCache::replace_failed(uint32_t reduction, uint32_t bx, uint32_t by) const {
   Block out = empty_block(reduction, bx, by);
-  if (!may_be_read()) return out;
+  if (!raster_->may_be_read()) return out;
   if (reduction > 0) {
     out = average_children(reduction, bx, by);  // they have had their filter
   } else if (magnify_coarser(reduction, bx, by, out.data) && filter_) {
@@ -227,13 +156,13 @@ BlockCache::Block BlockCache::replace_failed(uint32_t reduction, uint32_t bx, ui
 }
 
 bool BlockCache::magnify_coarser(uint32_t reduction, uint32_t bx, uint32_t by, RasterBlock& to) const {
-  for (uint32_t up = 1; reduction + up < own_reductions_ && may_be_read(); ++up) {
+  for (uint32_t up = 1; reduction + up < own_reductions_ && raster_->may_be_read(); ++up) {
     // A coarser level helps where it was stored apart: else it is made of the very pixels that are missing.
     const uint32_t k = reduction + up;
     if (is_averaged(k) || raster_->pyramid_level(k) <= raster_->pyramid_level(k - 1)) continue;
     const auto coarse = blocks_.get(key_of(k, bx >> up, by >> up) | kOwnBit, [&] {
       auto made = std::make_shared<Block>();
-      if (std::optional<RasterBlock> own = read_with_retries(k, bx >> up, by >> up)) made->data = std::move(*own);
+      if (Result<RasterBlock> own = raster_->read_block(k, bx >> up, by >> up)) made->data = std::move(*own);
       const uint64_t bytes = bytes_of(made->data) + sizeof(Block);
       return HostCache<uint64_t, Block>::Made{std::move(made), bytes};
     });
@@ -290,16 +219,9 @@ BlockCache::Block BlockCache::average_children(uint32_t reduction, uint32_t bx, 
 }
 
 SourceStats BlockCache::stats() const {
-  SourceStats s{.path = info_.path,
-                .read = read_,
-                .averaged = averaged_,
-                .from_disk = from_disk_,
-                .retried = retried_,
-                .failed = failed_,
-                .given_up = given_up_ || caller_.given_up(),
-                .failure = {}};
-  const std::lock_guard lock(failure_mutex_);
-  s.failure = failure_;
+  SourceStats s = raster_->stats();
+  s.averaged = averaged_;
+  s.from_disk = from_disk_;
   return s;
 }
 

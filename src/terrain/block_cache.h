@@ -3,12 +3,10 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
-#include <optional>
 
-#include "base/patient_caller.h"
 #include "io/raster.h"
 #include "terrain/raster_caches.h"
+#include "terrain/source_reader.h"
 
 namespace nepho {
 
@@ -20,10 +18,8 @@ namespace nepho {
 /// less than the finer blocks would. All other reductions are averaged from the ones below: a raster far smaller than a
 /// vertex spacing still contributes its mean. None of this depends on the budget: a block has the same bits always.
 ///
-/// A block that cannot be read is tried again twice, after pauses. Then it is made from finer blocks, as far as those
-/// can be read, or from a coarser level of the source's own pyramid, and what is still missing counts as no data. A
-/// source that does not answer in time, or answers with nothing but errors for that long, is not read any more. One
-/// warning per raster.
+/// A block that cannot be read (SourceReader) is made from finer blocks, as far as those can be read, or from a coarser
+/// level of the source's own pyramid; what is still missing counts as no data.
 class BlockCache {
  public:
   struct Block {
@@ -50,38 +46,28 @@ class BlockCache {
   /// Whether looking at the whole raster means reading a great many of its pixels.
   bool whole_is_dear() const;
 
-  uint64_t blocks_read() const { return read_; }
+  uint64_t blocks_read() const { return raster_->stats().read; }
   SourceStats stats() const;
   const std::shared_ptr<HostBudget>& memory() const { return caches_.memory; }
 
  private:
   Block load(uint32_t reduction, uint32_t bx, uint32_t by) const;
-  std::optional<RasterBlock> read(uint32_t reduction, uint32_t bx, uint32_t by) const;
-  std::optional<RasterBlock> read_with_retries(uint32_t reduction, uint32_t bx, uint32_t by) const;
   bool is_averaged(uint32_t reduction) const;
-  bool may_be_read() const { return !given_up_ && !caller_.given_up(); }
-  void count_failure(const std::string& reason, double waited_s) const;
   Block average_children(uint32_t reduction, uint32_t bx, uint32_t by) const;
   Block replace_failed(uint32_t reduction, uint32_t bx, uint32_t by) const;
   Block empty_block(uint32_t reduction, uint32_t bx, uint32_t by) const;
   bool magnify_coarser(uint32_t reduction, uint32_t bx, uint32_t by, RasterBlock& to) const;
 
-  std::shared_ptr<Raster> raster_;
+  std::shared_ptr<SourceReader> raster_;
   RasterInfo info_;
   RasterCaches caches_;
-  PatientCaller caller_;
   BlockStore::Source source_;
   uint32_t own_reductions_ = 1;
   uint32_t last_reduction_ = 0;  // one pixel is left
   double pixel_deg_ = 1.0;
   Filter filter_;
   HostCache<uint64_t, Block> blocks_;
-  mutable std::atomic<uint64_t> read_{0}, averaged_{0}, from_disk_{0}, retried_{0}, failed_{0};
-  mutable std::atomic<uint32_t> failures_in_row_{0};
-  mutable std::atomic<bool> given_up_{false};
-  mutable std::mutex failure_mutex_;
-  mutable double failing_s_ = 0.0;  // waited for errors since the last success
-  mutable std::string failure_;     // the first
+  mutable std::atomic<uint64_t> averaged_{0}, from_disk_{0};
 };
 
 }  // namespace nepho

@@ -4,29 +4,10 @@
 
 namespace nepho {
 
-namespace {
-
-/// The vertices as they are drawn.
-RayCaster::Positions drawn_by(const Terrain& terrain) {
-  return [&terrain](const SelectedTile& selected) {
-    const std::vector<double> lats = vertex_lats_deg(selected.tile), lons = vertex_lons_deg(selected.tile);
-    std::vector<double> heights(kTileGridVertices);
-    terrain.heights().heights_m(lats, lons, selected.tile.level, heights.data());
-    const std::vector<SplitVertex> vertices =
-        tile_vertices(selected.tile, terrain.heights(), Ellipsoid::wgs84(), heights);
-    std::vector<dvec3> out(kTileGridVertices);
-    for (uint32_t i = 0; i < kTileGridVertices; ++i) {
-      const SplitVertex& v = vertices[drawn_vertex(i % kTileVerticesPerSide, i / kTileVerticesPerSide, selected.edges)];
-      out[i] = dvec3(v.hi) + dvec3(v.lo);
-    }
-    return out;
-  };
-}
-
-}  // namespace
-
 GroundPicker::GroundPicker(const Terrain& terrain, const FrameInfo& frame)
-    : frame_(frame.constants), caster_(frame.camera_ecef_m, terrain.selected(), drawn_by(terrain)) {}
+    : frame_(frame.constants), caster_(frame.camera_ecef_m, terrain.selected(), [&terrain](const SelectedTile& tile) {
+        return terrain.drawn_positions(tile);
+      }) {}
 
 dvec3 GroundPicker::ray(double x_px, double y_px) const {
   // pixel_direction() of shaders/common/frame.h in double, from the same numbers.

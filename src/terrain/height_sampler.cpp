@@ -219,11 +219,12 @@ void HeightSampler::land_field_m(std::span<const double> lat_deg, std::span<cons
     out[i] = static_cast<float>(land);
   }
   if (!water_mask_) return;
-  // NaN spreads to every place that the mask does not cover wholly.
-  std::vector<float> rgbx(count * 4, std::numeric_limits<float>::quiet_NaN());
+  // So dark that every place which the mask does not cover wholly stays darker than any picture.
+  constexpr float kUncovered = -1e5f;
+  std::vector<float> rgbx(count * 4, kUncovered);
   lay_over(*water_mask_, water_mask_->reduction_for(spacing_deg), lat_deg, lon_deg, rgbx.data());
   for (size_t i = 0; i < count; ++i)
-    if (!std::isnan(rgbx[4 * i])) out[i] = 127.5f - rgbx[4 * i];
+    if (rgbx[4 * i] > -1.0f) out[i] = 127.5f - rgbx[4 * i];
 }
 
 HeightSampler::Origin HeightSampler::origin_at(double lat_deg, double lon_deg) const {

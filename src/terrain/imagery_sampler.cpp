@@ -181,6 +181,7 @@ ImagerySampler::ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, con
                                double bare_albedo, const RasterCaches& caches)
     : bare_srgb_(srgb_255(bare_albedo)) {
   for (auto& raster : imagery) {
+    raster = SourceReader::of(std::move(raster), caches.timeout_s);  // one, however many caches read it
     BlockCache::Filter filter;
     if (layers_.empty() && raster->info().wraps && ground.default_data()) {
       bottom_as_it_is_ = std::make_unique<BlockCache>(raster, caches);
@@ -230,6 +231,7 @@ double ImagerySampler::finest_pixel_deg(const TileBounds& tile) const {
 std::vector<SourceStats> ImagerySampler::source_stats() const {
   std::vector<SourceStats> all;
   for (const auto& layer : layers_) all.push_back(layer->stats());
+  if (bottom_as_it_is_) all.front().from_disk += bottom_as_it_is_->stats().from_disk;
   return all;
 }
 

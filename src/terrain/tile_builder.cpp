@@ -138,10 +138,7 @@ TileMeta TileBuilder::make_meta(const TileId& tile) const {
 
 TileData TileBuilder::make_data(const TileId& tile) const {
   TileData out;
-  std::vector<double> heights(kTileGridVertices);
-  const std::vector<double> lats = vertex_lats_deg(tile), lons = vertex_lons_deg(tile);
-  ground_.heights_m(lats, lons, tile.level, heights.data());
-  out.vertices = tile_vertices(tile, ground_, ellipsoid_, heights);
+  out.vertices = tile_vertices(tile, ground_, ellipsoid_);
   make_imagery(tile, out);
   make_slopes(tile, out);
   return out;

@@ -14,7 +14,7 @@ namespace nepho {
 
 /// All that the GPU needs of one tile.
 struct TileData {
-  std::vector<SplitVertex> vertices;          ///< kTileVertices
+  std::vector<TileVertex> vertices;           ///< kTileVertices
   std::vector<std::vector<uint8_t>> imagery;  ///< per mip, RGBA: sRGB colour; alpha >= 128 is water
   std::vector<std::vector<uint32_t>> slopes;  ///< per mip, two halves: east and north slope
 };

@@ -1,14 +1,16 @@
 #include "terrain/tile_mesh.h"
 
 #include <cmath>
+#include <glm/gtc/packing.hpp>
 
 #include "base/error.h"
 #include "terrain/terrain_shared.h"
+#include "terrain/tile_select.h"
 
 namespace nepho {
 
 static_assert(shared::kTerrainQuads == kTileQuads && shared::kTerrainVertices == kTileVertices);
-static_assert(sizeof(SplitVertex) == 24);
+static_assert(sizeof(TileVertex) == 32);
 
 namespace {
 // Out of line on purpose: GCC 12.2 at -O2 vectorises x - double(float(x)) of two neighbours and forgets the rounding,
@@ -79,37 +81,82 @@ GridPlace ring_place(uint32_t r) {
   }
 }
 
-std::vector<SplitVertex> tile_vertices(const TileId& tile, const HeightSampler& ground, const Ellipsoid& ellipsoid,
-                                       std::span<const double> own_height_m) {
-  NEPHO_ASSERT_OP(own_height_m.size(), ==, size_t{kTileGridVertices});
-  const std::vector<double> lats = vertex_lats_deg(tile), lons = vertex_lons_deg(tile);
-  std::vector<dvec3> positions(kTileGridVertices);
-  grid_positions(lats, lons, own_height_m.data(), ellipsoid, positions.data());
-  std::vector<SplitVertex> out(kTileVertices);
-  for (uint32_t i = 0; i < kTileGridVertices; ++i) out[i] = split(positions[i]);
+namespace {
 
-  const uint32_t coarser = tile.level > 0 ? tile.level - 1 : 0;
-  // Two rows and two columns of places; each is a grid of its own for the sampler.
-  const auto fill = [&](std::span<const double> lat, std::span<const double> lon) {
-    std::vector<double> h(lat.size() * lon.size());
-    ground.heights_m(lat, lon, coarser, h.data());
-    std::vector<dvec3> p(h.size());
-    grid_positions(lat, lon, h.data(), ellipsoid, p.data());
-    return p;
-  };
-  const double north_south[] = {lats.front(), lats.back()}, west_east[] = {lons.front(), lons.back()};
-  const std::vector<dvec3> rows = fill(north_south, lons), columns = fill(lats, west_east);
+/// Positions of the parent's triangles at every grid place of a tile: its vertices at even places, which are also those
+/// of the ring; between them the middle of an edge, or of the north-east to south-west diagonal.
+std::vector<dvec3> parent_surface(const TileId& tile, std::span<const double> lats, std::span<const double> lons,
+                                  const HeightSampler& ground, const Ellipsoid& ellipsoid) {
+  constexpr size_t n = kTileVerticesPerSide, m = kTileQuads / 2 + 1;
+  std::vector<double> lat(m), lon(m), height(m * m);
+  for (size_t i = 0; i < m; ++i) {
+    lat[i] = lats[2 * i];
+    lon[i] = lons[2 * i];
+  }
+  ground.heights_m(lat, lon, tile.level > 0 ? tile.level - 1 : 0, height.data());
+  std::vector<dvec3> coarse(m * m), out(n * n);
+  grid_positions(lat, lon, height.data(), ellipsoid, coarse.data());
+  for (size_t j = 0; j < n; ++j)
+    for (size_t i = 0; i < n; ++i) {
+      const size_t i0 = i / 2, j0 = j / 2, i1 = (i + 1) / 2, j1 = (j + 1) / 2;
+      out[j * n + i] = i0 == i1 && j0 == j1 ? coarse[j0 * m + i0] : 0.5 * (coarse[j0 * m + i1] + coarse[j1 * m + i0]);
+    }
+  return out;
+}
+
+}  // namespace
+
+std::vector<TileVertex> tile_vertices(const TileId& tile, const HeightSampler& ground, const Ellipsoid& ellipsoid) {
+  const std::vector<double> lats = vertex_lats_deg(tile), lons = vertex_lons_deg(tile);
+  std::vector<double> heights(kTileGridVertices);
+  ground.heights_m(lats, lons, tile.level, heights.data());
+  std::vector<dvec3> positions(kTileGridVertices);
+  grid_positions(lats, lons, heights.data(), ellipsoid, positions.data());
+  const std::vector<dvec3> parent = parent_surface(tile, lats, lons, ground, ellipsoid);
+  std::vector<TileVertex> out(kTileVertices);
+  for (uint32_t i = 0; i < kTileGridVertices; ++i) {
+    out[i].place = split(positions[i]);
+    if (tile.level == 0) continue;  // nothing is coarser
+    const glm::vec3 way(parent[i] - positions[i]);
+    out[i].to_parent_m = {glm::packHalf2x16(glm::vec2(way.x, way.y)), glm::packHalf2x16(glm::vec2(way.z, 0.0f))};
+  }
   for (uint32_t r = 0; r < kTileRingVertices; ++r) {
     const GridPlace at = ring_place(r);
-    const bool on_row = at.row == 0 || at.row == kTileQuads;
-    out[kTileGridVertices + r] = split(on_row ? rows[(at.row == 0 ? 0 : kTileVerticesPerSide) + at.column]
-                                              : columns[at.row * 2 + (at.column == 0 ? 0 : 1)]);
+    out[kTileGridVertices + r].place = split(parent[at.row * kTileVerticesPerSide + at.column]);
   }
   return out;
 }
 
 uint32_t drawn_vertex(uint32_t column, uint32_t row, uint8_t edges) {
   return shared::terrain_vertex(row * kTileVerticesPerSide + column, edges);
+}
+
+float drawn_morph(const SelectedTile& tile, uint32_t column, uint32_t row) {
+  const auto& e = tile.edge_morph;
+  const auto& c = tile.corner_morph;
+  return shared::terrain_morph(row * kTileVerticesPerSide + column, tile.morph, glm::vec4(e[0], e[1], e[2], e[3]),
+                               glm::vec4(c[0], c[1], c[2], c[3]));
+}
+
+std::vector<dvec3> drawn_positions(const SelectedTile& tile, std::span<const TileVertex> vertices) {
+  NEPHO_ASSERT_OP(vertices.size(), ==, size_t{kTileVertices});
+  constexpr uint32_t n = kTileVerticesPerSide;
+  std::vector<dvec3> out(kTileGridVertices);
+  for (uint32_t j = 0; j < n; ++j)
+    for (uint32_t i = 0; i < n; ++i) {
+      const TileVertex& v = vertices[drawn_vertex(i, j, tile.edges)];
+      const glm::vec2 xy = glm::unpackHalf2x16(v.to_parent_m[0]), z = glm::unpackHalf2x16(v.to_parent_m[1]);
+      const double left = 1.0 - static_cast<double>(drawn_morph(tile, i, j));
+      out[j * n + i] = dvec3(v.place.hi) + dvec3(v.place.lo) + left * dvec3(glm::vec3(xy, z.x));
+    }
+  for (uint32_t k = 1; k < kTileQuads; k += 2) {
+    const auto between = [&](uint32_t at, uint32_t step) { out[at] = 0.5 * (out[at - step] + out[at + step]); };
+    if (tile.edges & kEdgeNorth) between(k, 1);
+    if (tile.edges & kEdgeSouth) between(kTileQuads * n + k, 1);
+    if (tile.edges & kEdgeWest) between(k * n, n);
+    if (tile.edges & kEdgeEast) between(k * n + kTileQuads, n);
+  }
+  return out;
 }
 
 TileTopologies make_topologies() {

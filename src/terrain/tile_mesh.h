@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <span>
@@ -29,6 +30,13 @@ struct SplitVertex {
 };
 SplitVertex split(const dvec3& ecef_m);
 
+/// A vertex as the GPU has it: its place, and the way from there to the parent's surface (ECEF, m, three half floats:
+/// both ends of the way are exact to 0.05 % of its length, which is about a pixel when it is gone).
+struct TileVertex {
+  SplitVertex place;
+  std::array<uint32_t, 2> to_parent_m{};
+};
+
 /// Longitudes of the tile's columns, west to east, and latitudes of its rows, north to south, degrees; exact in double.
 std::vector<double> vertex_lons_deg(const TileId& tile);
 std::vector<double> vertex_lats_deg(const TileId& tile);
@@ -44,13 +52,18 @@ struct GridPlace {
 };
 GridPlace ring_place(uint32_t r);
 
-/// kTileVertices vertices from heights of the grid at the tile's level, and of the whole grid's border at the coarser
-/// level (only ring places are read; same layout as the grid).
-std::vector<SplitVertex> tile_vertices(const TileId& tile, const HeightSampler& ground, const Ellipsoid& ellipsoid,
-                                       std::span<const double> own_height_m);
+/// A tile's kTileVertices vertices: the grid at the tile's level, and the ring at the coarser one.
+std::vector<TileVertex> tile_vertices(const TileId& tile, const HeightSampler& ground, const Ellipsoid& ellipsoid);
 
 /// Index of the vertex that is drawn at a grid place (shaders/terrain/terrain_shared.h does the same).
 uint32_t drawn_vertex(uint32_t column, uint32_t row, uint8_t edges);
+
+struct SelectedTile;
+/// How much of its own shape a tile has at a grid place, 0..1 (the shader does the same).
+float drawn_morph(const SelectedTile& tile, uint32_t column, uint32_t row);
+/// ECEF position of every grid place as drawn, row by row, m: own and parent's shape blended, borders that touch
+/// coarser tiles at their heights. On those borders odd places, which have no vertex, lie between their neighbours.
+std::vector<dvec3> drawn_positions(const SelectedTile& tile, std::span<const TileVertex> vertices);
 
 /// Triangles, counter-clockwise from outside, for each of the 16 sets of coarser edges (kEdgeNorth..kEdgeWest), as grid
 /// indices row * 65 + column: border vertices that a coarser neighbour lacks are left out. Sorted by quarter of the

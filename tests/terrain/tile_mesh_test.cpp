@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <cstring>
+#include <glm/gtc/packing.hpp>
 #include <map>
 #include <set>
 
@@ -32,15 +33,17 @@ bool same_bits(const SplitVertex& a, const SplitVertex& b) { return std::memcmp(
 /// All vertices that a tile's triangles use on its border, by place.
 std::map<Place, SplitVertex> border_of(const SelectedTile& s, const HeightSampler& ground,
                                        const TileTopologies& topologies) {
-  std::vector<double> heights(kTileGridVertices);
-  ground.heights_m(vertex_lats_deg(s.tile), vertex_lons_deg(s.tile), s.tile.level, heights.data());
-  const std::vector<SplitVertex> vertices = tile_vertices(s.tile, ground, Ellipsoid::wgs84(), heights);
+  const std::vector<TileVertex> vertices = tile_vertices(s.tile, ground, Ellipsoid::wgs84());
   std::map<Place, SplitVertex> out;
   const TileTopologies::Range range = topologies.whole(s.edges & 15u);
   for (uint32_t i = range.first; i < range.first + range.count; ++i) {
     const uint32_t column = topologies.indices[i] % 65, row = topologies.indices[i] / 65;
     if (column % 64 && row % 64) continue;
-    out[place_of(s.tile, column, row)] = vertices[drawn_vertex(column, row, s.edges)];
+    const TileVertex& v = vertices[drawn_vertex(column, row, s.edges)];
+    // As the shader: what is left of the way to the parent's surface, on top of the place.
+    const float left = 1.0f - drawn_morph(s, column, row);
+    const glm::vec3 way(glm::unpackHalf2x16(v.to_parent_m[0]), glm::unpackHalf2x16(v.to_parent_m[1]).x);
+    out[place_of(s.tile, column, row)] = {v.place.hi, v.place.lo + left * way};
   }
   return out;
 }
