@@ -146,6 +146,15 @@ void Renderer::set_camera(const CameraParams& camera) {
   parts_->pose = resolve_camera(camera, parts_->terrain.heights());
 }
 
+void Renderer::prefetch(const CameraParams& camera) {
+  FrameInfo frame;
+  frame.extent = {scene_.render.width, scene_.render.height};
+  const CameraPose pose = resolve_camera(camera, parts_->terrain.heights());
+  frame.camera_ecef_m = pose.ecef_m;
+  frame.constants = make_frame_constants(pose, frame.extent, parts_->light, parts_->time_s, 0, 0, glm::vec2(0.0f));
+  parts_->terrain.prefetch(frame);
+}
+
 CameraPose Renderer::pose() const { return parts_->pose; }
 
 const Terrain& Renderer::terrain() const { return parts_->terrain; }
@@ -176,7 +185,9 @@ RenderResult Renderer::render(const RenderRequest& request) {
     frame.buffer = graph.constants("frame", frame.constants);
 
     auto start = Clock::now();
-    p.terrain.prepare(frame);
+    p.terrain.prepare(frame, {.complete = !request.incomplete_ok,
+                              .at_most_s = request.ground_wait_s,
+                              .on_progress = request.on_ground});
     timings_.terrain_ms += ms_since(start);
 
     start = Clock::now();
@@ -195,7 +206,7 @@ RenderResult Renderer::render(const RenderRequest& request) {
     CloudDensityRefs density;
     CloudShadowRefs shadow;
     CloudLight::Refs light;
-    const bool terrain_shades = scene_.terrain.shadows && p.terrain_shadow_map.update(p.terrain.heights(), frame);
+    const bool terrain_shades = scene_.terrain.shadows && p.terrain_shadow_map.update(p.terrain.heights(), frame, request.incomplete_ok);
     const TerrainVolumeRefs terrain_air =
         terrain_shades ? p.terrain_shadow_map.add_volume(graph, frame) : TerrainVolumeRefs{};
     if (p.clouds) {

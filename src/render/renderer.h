@@ -54,6 +54,7 @@ struct RenderRequest {
   const ImageBuffer* resume = nullptr;
   /// Draw the ground as far as it is loaded, instead of waiting for all that the view needs.
   bool incomplete_ok = false;
+  double ground_wait_s = 0.0;  ///< with incomplete_ok: how long to wait for ground all the same, s
   /// Told how many of the tiles of ground that the view lacks are there.
   std::function<void(size_t done, size_t of)> on_ground = {};
 };
@@ -78,6 +79,9 @@ class Renderer {
   CameraPose pose() const;
   /// Moves the camera; from the next render() on. Throws Error(usage) as resolve_camera() does.
   void set_camera(const CameraParams& camera);
+  /// Makes in the background the ground that a later picture from `camera` will need; for sequences drawn with
+  /// RenderRequest::incomplete_ok. Call after render().
+  void prefetch(const CameraParams& camera);
   /// Moves the scene's clock: sun, moon, stars and clouds are those of the moment from the next render() on. With a
   /// second moment sun, moon and stars are that one's.
   void set_time(const UtcInstant& utc, const std::optional<UtcInstant>& sky = std::nullopt);

@@ -1,9 +1,12 @@
 #include "terrain/terrain_shadow_map.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "base/error.h"
+#include "base/give_way.h"
+#include "base/parallel.h"
 #include "geo/frames.h"
 #include "geo/region_map.h"
 #include "gpu/commands.h"
@@ -91,32 +94,45 @@ std::vector<float> highest_around(std::vector<float> heights, const std::vector<
   return most;
 }
 
-void TerrainShadowMap::update(const HeightSampler& heights, const shared::RegionMap& map) {
+TerrainShadowMap::Made TerrainShadowMap::make(const HeightSampler& heights, const shared::RegionMap& map) {
   const std::vector<float> all = sample_ground_crests(heights, map, shared::kShadowTexels);
+  Made made{.map = map, .mips = std::vector<std::vector<std::vector<float>>>(map.levels)};
+  std::vector<float> inside;
+  for (uint32_t level = 0; level < map.levels; ++level) {
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>(level * kSide * kSide);
+    inside = highest_around({first, first + static_cast<std::ptrdiff_t>(kSide * kSide)}, inside, made.mips[level]);
+  }
+  const auto [low, high] = std::minmax_element(all.begin(), all.end());
+  made.lowest_m = *low;
+  made.highest_m = *high;
+  return made;
+}
+
+void TerrainShadowMap::show(const Made& made) {
+  const shared::RegionMap& map = made.map;
   if (!image_ || map.levels != constants_.map.levels)
     image_ = device_.create_image({.name = "terrain.shadow_heights",
                                    .extent = {kSide, kSide},
                                    .format = Format::r32f,
                                    .mip_levels = shared::kShadowMips,
                                    .layers = map.levels});
-  std::vector<float> inside;
-  std::vector<std::vector<float>> mips;
   for (uint32_t level = 0; level < map.levels; ++level) {
-    const auto first = all.begin() + static_cast<std::ptrdiff_t>(level * kSide * kSide);
-    inside = highest_around({first, first + static_cast<std::ptrdiff_t>(kSide * kSide)}, inside, mips);
     std::vector<gpu::ImageUpload> uploads;
     for (uint32_t mip = 0; mip < shared::kShadowMips; ++mip)
-      uploads.push_back({&image_, std::as_bytes(std::span(mips[mip])), mip, level});
+      uploads.push_back({&image_, std::as_bytes(std::span(made.mips[level][mip])), mip, level});
     device_.upload(uploads);
   }
-  const auto [low, high] = std::minmax_element(all.begin(), all.end());
-  constants_ = {.map = map, .highest_m = *high};
-  lowest_m_ = *low;
+  constants_ = {.map = map, .highest_m = made.highest_m};
+  lowest_m_ = made.lowest_m;
   volume_filled_ = false;
+}
+
+void TerrainShadowMap::update(const HeightSampler& heights, const shared::RegionMap& map) {
+  show(make(heights, map));
   heights_ = &heights;
 }
 
-bool TerrainShadowMap::update(const HeightSampler& heights, const FrameInfo& frame) {
+bool TerrainShadowMap::update(const HeightSampler& heights, const FrameInfo& frame, bool in_background) {
   const shared::FrameConstants& c = frame.constants;
   if (static_cast<double>(c.planet.camera_height_m) < kLooksDownFrom_m) {
     const double light_rad = std::asin(std::clamp(static_cast<double>(glm::dot(c.camera_up, c.key_dir)), -1.0, 1.0));
@@ -124,7 +140,16 @@ bool TerrainShadowMap::update(const HeightSampler& heights, const FrameInfo& fra
   }
   if (heights.highest_land_m() - heights.deepest_land_m() <= static_cast<double>(kEven_m)) return false;
   const shared::RegionMap map = region_for(frame, heights.highest_land_m());
-  if (!image_ || heights_ != &heights || !serves(constants_.map, map)) update(heights, map);
+  if (next_.valid() && next_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) show(next_.get());
+  if (!image_ || heights_ != &heights || (!in_background && !serves(constants_.map, map))) {
+    update(heights, map);
+  } else if (!serves(constants_.map, map) && !next_.valid()) {
+    next_ = std::async(std::launch::async, [&heights, map] {
+      give_way();
+      const OneCore one_core;
+      return make(heights, map);
+    });
+  }
   return constants_.highest_m - lowest_m_ > kEven_m;
 }
 

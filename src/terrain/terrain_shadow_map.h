@@ -1,4 +1,5 @@
 #pragma once
+#include <future>
 #include <vector>
 
 #include "gpu/device.h"
@@ -19,8 +20,9 @@ class TerrainShadowMap {
 
   /// Whether terrain may shade anything that a camera sees: not where the ground is even to a metre within the map, nor
   /// from near the ground when the key light is higher than any slope leans or far below the horizon. Samples the
-  /// heights around the camera first, unless the map at hand still serves.
-  bool update(const HeightSampler& heights, const FrameInfo& frame);
+  /// heights around the camera first, unless the map at hand still serves. `in_background`: a map that serves no longer
+  /// stays until the next one is made, which takes some frames.
+  bool update(const HeightSampler& heights, const FrameInfo& frame, bool in_background = false);
   /// The same around a given map, whatever the light.
   void update(const HeightSampler& heights, const shared::RegionMap& map);
 
@@ -39,6 +41,15 @@ class TerrainShadowMap {
   const shared::TerrainShadowConstants& constants() const { return constants_; }
 
  private:
+  /// A map before it is on the GPU.
+  struct Made {
+    shared::RegionMap map{};
+    std::vector<std::vector<std::vector<float>>> mips;  ///< by level
+    float lowest_m = 0.0f, highest_m = 0.0f;
+  };
+  static Made make(const HeightSampler& heights, const shared::RegionMap& map);
+  void show(const Made& made);
+
   gpu::Device& device_;
   const HeightSampler* heights_ = nullptr;
   gpu::Image image_;
@@ -48,6 +59,7 @@ class TerrainShadowMap {
   gpu::Image volume_;
   bool volume_filled_ = false;
   glm::vec3 volume_light_{0.0f};
+  std::future<Made> next_;  ///< being made in the background; its destructor waits
 };
 
 /// Binds what terrain_shadow.glsl reads.

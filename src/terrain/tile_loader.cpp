@@ -1,26 +1,18 @@
 #include "terrain/tile_loader.h"
 
-#include <sys/resource.h>
-#include <sys/syscall.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <exception>
 
+#include "base/give_way.h"
 #include "base/log.h"
+#include "base/parallel.h"
 
 namespace nepho {
 
 namespace {
 
 constexpr uint32_t kMostTries = 2;
-
-/// Linux has a niceness per thread. What fails here only costs smoothness.
-void give_way() {
-  constexpr int kNiceness = 5;
-  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNiceness);
-}
 
 }  // namespace
 
@@ -86,6 +78,7 @@ void TileLoader::fail(const TileId& tile, const char* why) {
 
 void TileLoader::work() {
   give_way();
+  const OneCore one_core;
   for (;;) {
     TileId tile;
     {

@@ -55,7 +55,7 @@ Scene clear_noon() {
 }
 
 struct Picture {
-  std::vector<double> shade;    ///< what an eye would see: luminance over white to the power of 1/2.2
+  std::vector<double> shade;  ///< what an eye would see: luminance over white to the power of 1/2.2
   std::vector<float> depth_m;
   CameraPose pose;
 };
@@ -94,8 +94,9 @@ glm::dvec2 project(const CameraPose& pose, const dvec3& point) {
 
 dvec3 point_at(const Picture& p, uint32_t x, uint32_t y) {
   const double tan_y = std::tan(p.pose.fov_rad / 2), tan_x = tan_y * kExtent.width / kExtent.height;
-  const dvec3 dir = glm::normalize(p.pose.axes.forward + ((x + 0.5) * 2.0 / kExtent.width - 1.0) * tan_x * p.pose.axes.right +
-                                   (1.0 - (y + 0.5) * 2.0 / kExtent.height) * tan_y * p.pose.axes.up);
+  const dvec3 dir =
+      glm::normalize(p.pose.axes.forward + ((x + 0.5) * 2.0 / kExtent.width - 1.0) * tan_x * p.pose.axes.right +
+                     (1.0 - (y + 0.5) * 2.0 / kExtent.height) * tan_y * p.pose.axes.up);
   return p.pose.ecef_m + dir * static_cast<double>(p.depth_m[y * kExtent.width + x]);
 }
 
@@ -108,7 +109,8 @@ double change(const Picture& from, const Picture& to) {
       if (to.depth_m[y * kExtent.width + x] > 1e9f) continue;
       const glm::dvec2 at = project(from.pose, point_at(to, x, y)) - 0.5;
       const auto i = static_cast<int>(std::floor(at.x)), j = static_cast<int>(std::floor(at.y));
-      if (i < 0 || j < 0 || i + 1 >= static_cast<int>(kExtent.width) || j + 1 >= static_cast<int>(kExtent.height)) continue;
+      if (i < 0 || j < 0 || i + 1 >= static_cast<int>(kExtent.width) || j + 1 >= static_cast<int>(kExtent.height))
+        continue;
       const double fx = at.x - i, fy = at.y - j;
       double was = 0.0;
       bool ground = true;
@@ -147,7 +149,8 @@ void check_continuous(int first, int last) {
     std::ofstream csv(file);
     csv << "step,height_m,change\n";
     for (size_t i = 0; i < changes.size(); ++i)
-      csv << first + 1 + static_cast<int>(i) << ',' << height_of(first + 1 + static_cast<int>(i)) << ',' << changes[i] << '\n';
+      csv << first + 1 + static_cast<int>(i) << ',' << height_of(first + 1 + static_cast<int>(i)) << ',' << changes[i]
+          << '\n';
   }
   constexpr size_t kAround = 20;
   /// A display shows no less: a hundredth of one of 255 levels.
@@ -171,9 +174,13 @@ void check_continuous(int first, int last) {
 
 }  // namespace
 
-TEST_CASE("gpu: the ground comes nearer without a step: tiles change from 260 to 140 km") { check_continuous(500, 560); }
+TEST_CASE("gpu: the ground comes nearer without a step: tiles change from 260 to 140 km") {
+  check_continuous(500, 560);
+}
 TEST_CASE("gpu: the ground comes nearer without a step: tiles change from 21 to 11 km") { check_continuous(750, 810); }
-TEST_CASE("gpu: the ground comes nearer without a step: tiles change from 270 to 150 m") { check_continuous(1185, 1245); }
+TEST_CASE("gpu: the ground comes nearer without a step: tiles change from 270 to 150 m") {
+  check_continuous(1185, 1245);
+}
 
 TEST_CASE("gpu: full: from 40,000 km to 2 m above the crater's rim in 1,700 steps") {
   if (!std::getenv("NEPHO_TEST_FULL")) return;

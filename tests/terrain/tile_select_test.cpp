@@ -2,9 +2,11 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <random>
 #include <set>
 
+#include "terrain/ray_caster.h"
 #include "terrain/tile_builder.h"
 #include "terrain_fixture.h"
 
@@ -86,6 +88,61 @@ TEST_CASE("touching tiles are at most one level apart and do not overlap") {
         }
     }
   }
+}
+
+TEST_CASE("as the camera comes nearer the drawn ground moves by a fraction of a pixel a step, through all levels") {
+  // Hills in hills: every level of tiles finds something new.
+  World world({raster_of(2048, 1024, {10.0, 9.5, 12.0, 10.5}, [](double lat, double lon) {
+    double h = 500.0;
+    for (int k = 0; k < 9; ++k) {
+      const double f = std::ldexp(20.0, k), a = std::ldexp(800.0, -k);
+      h += a * std::sin(f * (lon + 0.3 * k)) * std::cos(f * (lat - 0.7 * k));
+    }
+    return h;
+  })});
+  const double step = 0.98;
+  std::vector<double> before;
+  double worst_px = 0.0;
+  std::set<uint32_t> levels;
+  std::vector<double> first, now;
+  for (int i = 0; i < 80; ++i) {
+    const Geodetic at = Geodetic::from_degrees(10.0, 11.0, 1500.0 + 20e3 * std::pow(step, i));
+    const TerrainView view = view_at(at, Attitude::from_degrees(0.0, -90.0), 60.0, {640, 360});
+    const std::vector<SelectedTile> tiles = select_tiles(view, world.metas);
+    for (const SelectedTile& s : tiles) levels.insert(s.tile.level);
+    const RayCaster caster(view.camera_ecef_m, tiles, [&](const SelectedTile& s) {
+      return drawn_positions(s, tile_vertices(s.tile, world.ground, Ellipsoid::wgs84()));
+    });
+    now.clear();
+    for (int k = 0; k < 20; ++k) {
+      // Places on the ground that stay in the picture: the height where the vertical through them meets the surface,
+      // found by the ray from the camera through their place on the ellipsoid.
+      const double angle = 2.4 * k, away_m = 250.0 * std::sqrt(k + 1.0);
+      const Geodetic place = Geodetic::from_degrees(10.0 + away_m * std::sin(angle) / 111e3,
+                                                    11.0 + away_m * std::cos(angle) / 111e3, 500.0);
+      const dvec3 up = geodetic_up_ecef(place.lat_rad, place.lon_rad);
+      double low = -3000.0, high = 3000.0;  // the surface is a function of the place: bisect along the vertical
+      for (int n = 0; n < 24; ++n) {
+        const double middle = 0.5 * (low + high);
+        const dvec3 to = ecef_from_geodetic(place) + middle * up - view.camera_ecef_m;
+        const auto hit = caster.first_hit(glm::normalize(to));
+        REQUIRE(hit);
+        (hit->distance_m < glm::length(to) ? low : high) = middle;
+      }
+      now.push_back(0.5 * (low + high));
+    }
+    const double px_m = view.pixel_angle_rad * (at.height_m - 1500.0);
+    if (i == 0) first = now;
+    for (size_t k = 0; k < before.size(); ++k) worst_px = std::max(worst_px, std::abs(now[k] - before[k]) / px_m);
+    before = now;
+  }
+  double moved_px = 0.0;
+  for (size_t k = 0; k < now.size(); ++k) moved_px = std::max(moved_px, std::abs(now[k] - first[k]) / 3.0);
+  MESSAGE("largest move in a step " << worst_px << " px, over all " << moved_px << " px of 3 m; levels "
+                                    << levels.size());
+  CHECK(worst_px < 0.3);
+  CHECK(moved_px > 3.0);
+  CHECK(levels.size() > 3);
 }
 
 TEST_CASE("no selected tile exceeds the screen error that was asked for") {
