@@ -131,10 +131,10 @@ void fly(const Flight& flight, Extent2D extent, double seconds, int raster_side)
   CHECK(resident_most - resident_before <=
         (uint64_t{scene.terrain.host_budget_mb + scene.terrain.gpu_budget_mb} << 20));
   CHECK(most_missing < 400);
-  MESSAGE(flight.name << ", " << frames << " frames: median " << median << " ms, 99 % within " << late << " ms ("
+  MESSAGE(std::string(flight.name) << ", " << frames << " frames: median " << median << " ms, 99 % within " << late << " ms ("
                       << late / median << " times), longest " << sorted.back() << " ms; tiles missing "
                       << static_cast<double>(missing) / frames << " on average; memory grew by "
-                      << (resident_most - resident_before >> 20) << " MiB, host cache at most "
+                      << ((resident_most - resident_before) >> 20) << " MiB, host cache at most "
                       << (renderer.terrain().caches().memory->peak_bytes() >> 20) << " MiB, GPU "
                       << (renderer.terrain().stats().gpu_bytes >> 20) << " MiB, made "
                       << renderer.terrain().stats().background.loaded << " tiles, cancelled "
