@@ -176,7 +176,7 @@ RenderResult Renderer::render(const RenderRequest& request) {
     frame.buffer = graph.constants("frame", frame.constants);
 
     auto start = Clock::now();
-    p.terrain.prepare(frame);
+    p.terrain.prepare(frame, {.complete = !request.incomplete_ok, .on_progress = request.on_ground});
     timings_.terrain_ms += ms_since(start);
 
     start = Clock::now();
