@@ -8,7 +8,7 @@
 #include "gpu/gpu_fixture.h"
 #include "nepho/scene_sources.h"
 #include "rasters/gdal_opener.h"
-#include "render/gdal_source.h"
+#include "render/gdal_truth.h"
 #include "render/renderer.h"
 #include "render/shared_data.h"
 
@@ -74,7 +74,7 @@ TEST_CASE("gpu: every elevation raster of the shared data is drawn in the right 
     CAPTURE(file);
     const std::string path = shared_data(file);
     if (path.empty()) continue;
-    const GdalSource source(path);
+    const GdalTruth source(path);
     REQUIRE(source.good());
     // Straight down on a slope, from low enough for pixels of a fifth of a sample.
     const auto [lat, lon] = source.place_of(source.width() * 0.43, source.height() * 0.38);
@@ -119,10 +119,10 @@ TEST_CASE("gpu: every picture of the shared data is drawn in the right place and
     CAPTURE(picture.file);
     const std::string path = shared_data(picture.file);
     if (path.empty()) continue;
-    const GdalSource source(picture.truth ? shared_data(picture.truth) : path);
+    const GdalTruth source(picture.truth ? shared_data(picture.truth) : path);
     REQUIRE(source.good());
     // One pixel of the picture for one of the source.
-    const GdalSource::Pixel middle = source.pixel_at(picture.lat, picture.lon);
+    const GdalTruth::Pixel middle = source.pixel_at(picture.lat, picture.lon);
     const double pixel_m = source.pixel_deg(middle.x, middle.y) * 111.2e3;
     Scene scene = scene_above(picture.lat, picture.lon);
     scene.imagery.files.push_back({.path = path});
@@ -131,7 +131,7 @@ TEST_CASE("gpu: every picture of the shared data is drawn in the right place and
     double contrast = 0.0, worst_even = 0.0;
     for (const Seen& s : draw(gpu, scene)) {
       // The tile's texels and the filter mix what lies within two samples.
-      std::optional<GdalSource::Range> bands[3];
+      std::optional<GdalTruth::Range> bands[3];
       for (int b = 0; b < 3; ++b) bands[b] = source.around(s.at.lat_deg(), s.at.lon_deg(), b + 1, 2);
       if (!bands[0] || !bands[1] || !bands[2]) continue;
       ++compared;
