@@ -45,7 +45,7 @@ std::vector<std::string> out_of_view(const std::vector<RasterInfo>& rasters, con
     lines.push_back(
         fmt::format("{}: none of it is in view; it covers longitude {:.4g} to {:.4g}, latitude {:.4g} to "
                     "{:.4g}",
-                    info.path, b.west_deg, b.east_deg, std::max(-90.0, b.south_deg), std::min(90.0, b.north_deg)));
+                    info.path, b.west_deg, b.east_deg, b.south_deg, b.north_deg));
   }
   return lines;
 }

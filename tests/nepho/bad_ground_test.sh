@@ -8,7 +8,7 @@ work=$(mktemp -d)
 servers=()
 cleanup() {
   for server in "${servers[@]}"; do kill "$server" 2>/dev/null || true; done
-  umount "$work/tiny" 2>/dev/null || true
+  umount "$work/cache/blocks" 2>/dev/null || true
   rm -rf -- "$work"
 }
 trap cleanup EXIT
@@ -112,6 +112,7 @@ head -c 3000 /dev/urandom >noise.tif
 printf 'ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\nnodata_value -1\n1 2\n3 4\n' >plain.asc
 echo 'LOCAL_CS["nowhere"]' >plain.prj
 
+"$nepho" render "${view[@]}" -o picture.png 2>/dev/null  # the tables of the atmosphere are in the cache from here on
 draws 0 '' --terrain good.tif --terrain whole.tif
 draws 1 'cut.tif' --terrain cut.tif --terrain good.tif
 draws 1 'empty.tif: is an empty file; left out' --terrain empty.tif
@@ -128,11 +129,18 @@ refuses 'none of it is in view' --terrain far.tif
 refuses 'holes.tif' --terrain holes.tif
 draws 0 '' --terrain good.tif --strict
 
-# What hangs: a pipe that nobody writes into, and a server that takes a request and never answers.
-mkfifo hangs.tif
+# What hangs: a file that refers to a pipe that nobody writes into, and a server that takes a request and never answers.
+mkfifo pipe
+cat >hangs.vrt <<'VRT'
+<VRTDataset rasterXSize="64" rasterYSize="64"><SRS>EPSG:4326</SRS><GeoTransform>138, 0.01, 0, 36, 0, -0.01</GeoTransform>
+<VRTRasterBand dataType="Int16" band="1"><SimpleSource><SourceFilename>pipe</SourceFilename><SourceBand>1</SourceBand>
+<SourceProperties RasterXSize="64" RasterYSize="64" DataType="Int16" BlockXSize="64" BlockYSize="1"/>
+<SrcRect xOff="0" yOff="0" xSize="64" ySize="64"/><DstRect xOff="0" yOff="0" xSize="64" ySize="64"/>
+</SimpleSource></VRTRasterBand></VRTDataset>
+VRT
 echo '{"terrain": {"source_timeout_s": 2}}' >hasty.json
-draws 1 'hangs.tif: does not answer within 2 s; left out' hasty.json --terrain hangs.tif
-refuses 'hangs.tif: does not answer' hasty.json --terrain hangs.tif
+draws 1 'hangs.vrt: does not answer within 2 s; left out' hasty.json --terrain hangs.vrt
+refuses 'hangs.vrt: does not answer' hasty.json --terrain hangs.vrt
 cat >server.py <<'PY'
 import http.server, struct, sys, time, zlib
 def png(r, g, b):
@@ -166,15 +174,15 @@ draws 1 'hang' hasty.json --terrain "/vsicurl/$url/hang.tif"
 draws 1 '127.0.0.1' hasty.json --imagery "$url/{z}/{x}/{y}.png"
 
 # A disk without room for the cache: a warning, and the same picture. Needs a file system of its own.
-cp picture.png before.png
-mkdir tiny
-if mount -t tmpfs -o size=16k tmpfs tiny 2>/dev/null; then
+rm -rf cache/blocks
+mkdir cache/blocks
+if mount -t tmpfs -o size=16k tmpfs cache/blocks 2>/dev/null; then
   draws 0 '' --terrain whole.tif --disk-cache 0
   cp picture.png before.png
   # The first block of the default picture takes long, so that it is to be kept.
-  NEPHO_CACHE=$work/tiny draws 1 'blocks of rasters are not kept on disk' --terrain whole.tif
+  draws 1 'blocks of rasters are not kept on disk' --terrain whole.tif
   cmp before.png picture.png || failures=$((failures + 1))
-  umount tiny
+  umount cache/blocks
 else
   echo "no file system of its own could be mounted; the disk without room is not tried"
 fi

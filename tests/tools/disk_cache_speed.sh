@@ -47,14 +47,16 @@ first_frame_ms() {  # start-up and ground of a timings file, ms
   awk "BEGIN { printf \"%.0f\", $(field startup_ms "$1") + $(field terrain_ms "$1") }"
 }
 export NEPHO_CACHE=$work/cache
+echo "rasters of $side x $side, $(nproc) cores, load $(cut -d" " -f1 /proc/loadavg)"
 scene=(--at 35.2,138.8 --height 60000 --pitch -90 --fov 60 --time 2026-06-20T03:00:00Z --coverage 0 --size 320x180)
-"$nepho" render "${scene[@]}" -o plain.png  # the cache of the atmosphere's tables
+"$nepho" render "${scene[@]}" -o plain.png 2>plain.txt  # the cache of the atmosphere's tables
 scene+=(--terrain heights --imagery colours)
 for run in cold warm; do
-  "$nepho" render "${scene[@]}" -o "$run.exr" --aov depth,albedo --timings "$run.json"
+  "$nepho" render "${scene[@]}" -o "$run.exr" -o "$run.png" --aov depth,albedo --timings "$run.json"
   echo "$run: $(first_frame_ms "$run.json") ms to the first frame; terrain $(field terrain_ms "$run.json") ms; blocks read $(field blocks_read "$run.json"), from disk $(field blocks_from_disk "$run.json")"
 done
-NEPHO_CACHE=$work/none "$nepho" render "${scene[@]}" --disk-cache 0 -o off.exr --aov depth,albedo
-cmp cold.exr warm.exr && cmp cold.exr off.exr && echo "the same bits"
+NEPHO_CACHE=$work/none "$nepho" render "${scene[@]}" --disk-cache 0 -o off.png
+# Headers of EXR files have the scene with its settings of the cache.
+cmp cold.exr warm.exr && cmp cold.png off.png && echo "the same bits, and the same picture as without the cache"
 du -sh "$work/cache/blocks"
 echo "$(awk "BEGIN { printf \"%.1f\", $(first_frame_ms cold.json) / $(first_frame_ms warm.json) }") times as fast"
