@@ -76,6 +76,17 @@ class GdalTruth {
     if (std::isnan(value)) return std::nullopt;
     return value;
   }
+  /// A band's value between the four samples around, bilinear; empty at the edge.
+  std::optional<double> between(double lat_deg, double lon_deg, int band) const {
+    const Pixel p = pixel_at(lat_deg, lon_deg);
+    const double x = p.x - 0.5, y = p.y - 0.5, fx = x - std::floor(x), fy = y - std::floor(y);
+    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+    if (x0 < 0 || y0 < 0 || x0 + 1 >= width() || y0 + 1 >= height()) return std::nullopt;
+    double v[4];
+    GDALRasterBand* b = dataset_->GetRasterBand(std::min(band, dataset_->GetRasterCount()));
+    if (b->RasterIO(GF_Read, x0, y0, 2, 2, v, 2, 2, GDT_Float64, 0, 0) != CE_None) return std::nullopt;
+    return (1 - fy) * ((1 - fx) * v[0] + fx * v[1]) + fy * ((1 - fx) * v[2] + fx * v[3]);
+  }
   /// The samples within `reach` of the nearest one; empty at the edge and where one of them is no data.
   std::optional<Range> around(double lat_deg, double lon_deg, int band, int reach) const {
     const Pixel p = pixel_at(lat_deg, lon_deg);
