@@ -61,6 +61,11 @@ void RenderCommand::add_to(CLI::App& command, const Program& program) {
                   fmt::format("a view of the renderer's insides in false colours, instead of the picture: {}",
                               fmt::join(program.debug_views, ", ")))
       ->type_name("NAME");
+  command.add_flag(
+      "--strict", strict_,
+      "a raster of --terrain or --imagery that cannot be used, fails in part or is not in view is an error "
+      "(exit status 3, nothing is written) instead of a warning");
+  command.add_flag("--incomplete-ok", incomplete_ok_, "wait a second for the ground, then draw what is loaded");
   command.add_flag("--validation", validation_, "use the Vulkan validation layer")->group("");
 }
 
@@ -90,6 +95,8 @@ RenderOutputs RenderCommand::outputs(const Program& program) const {
   outputs.resume = resume_;
   outputs.device = device_;
   outputs.validation = validation_;
+  outputs.strict = strict_;
+  outputs.incomplete_ok = incomplete_ok_;
   return outputs;
 }
 

@@ -13,6 +13,7 @@
 #include "base/progress.h"
 #include "io/exr.h"
 #include "io/png.h"
+#include "nepho/ground_report.h"
 #include "nepho/scene_sources.h"
 #include "render/renderer.h"
 #include "scene/scene_json.h"
@@ -20,6 +21,9 @@
 namespace nepho {
 
 namespace {
+
+/// A still of a ground that was not waited for at all would be a ball of a few hundred triangles.
+constexpr double kIncompleteWait_s = 1.0;
 using Clock = std::chrono::steady_clock;
 
 double ms_since(Clock::time_point start) {
@@ -64,7 +68,7 @@ nlohmann::ordered_json work_of(const ReferenceCounts& c) {
 }
 
 void write_timings(const std::filesystem::path& path, const RenderTimings& t, const gpu::DeviceInfo& device,
-                   const Scene& scene, double total_startup_ms, double output_ms) {
+                   const Scene& scene, const Terrain& terrain, double total_startup_ms, double output_ms) {
   nlohmann::ordered_json j;
   j["device"] = device.name;
   j["driver"] = device.driver;
@@ -81,6 +85,7 @@ void write_timings(const std::filesystem::path& path, const RenderTimings& t, co
   for (const gpu::PassTiming& p : t.passes) j["passes"].push_back({{"name", p.name}, {"gpu_ms", p.gpu_ms}});
   if (t.reference.paths > 0) j["reference"] = work_of(t.reference);
   j["gpu_memory_bytes"] = t.gpu_memory_bytes;
+  j["terrain"] = ground_report(terrain);
   write_whole_file(path, [&](const std::filesystem::path& temporary) { write_text_file(temporary, j.dump(2) + "\n"); });
 }
 
@@ -154,7 +159,9 @@ class InterruptGuard {
 void render_scene(const Scene& scene, const RenderOutputs& outputs, const RasterAccess& rasters) {
   const auto start = Clock::now();
   const ExrFile earlier = outputs.resume.empty() ? ExrFile{} : read_earlier(outputs.resume, scene);
-  TerrainSources terrain = open_terrain(rasters, scene);  // bad files are told before a device is asked for
+  // Bad files are told before a device is asked for.
+  TerrainSources terrain = open_terrain(rasters, scene, outputs.strict ? BadSource::error : BadSource::warning);
+  const std::vector<RasterInfo> named = named_rasters(terrain, scene);
   const SkySources sky = open_sky(rasters, scene);
   const WeatherSources weather = open_weather(rasters, scene, terrain);
   gpu::Device device({.device = outputs.device, .validation = outputs.validation});
@@ -167,6 +174,14 @@ void render_scene(const Scene& scene, const RenderOutputs& outputs, const Raster
   request.wanted = outputs.layers;
   request.debug = outputs.debug;
   if (!outputs.resume.empty()) request.resume = &earlier.image;
+  request.incomplete_ok = outputs.incomplete_ok;
+  request.ground_wait_s = kIncompleteWait_s;
+  std::optional<Progress> ground;
+  request.on_ground = [&](size_t done, size_t of) {
+    if (done == 0 || !ground) ground.emplace("ground");
+    ground->update(of > 0 ? static_cast<double>(done) / static_cast<double>(of) : 1.0, fmt::format("{} tiles", of));
+    if (done >= of) ground.reset();
+  };
   std::optional<Progress> progress;
   std::optional<InterruptGuard> guard;
   if (scene.render.quality == "reference") {
@@ -187,7 +202,15 @@ void render_scene(const Scene& scene, const RenderOutputs& outputs, const Raster
     }
   }();
   progress.reset();
+  ground.reset();
   for (const std::string& message : device.take_validation_messages()) log_warning("{}", message);
+
+  const std::string failure = first_failure(renderer.terrain());  // warned of when it happened
+  if (outputs.strict && !failure.empty()) throw fail(ErrorKind::input, "{} (--strict)", failure);
+  for (const std::string& line : out_of_view(named, renderer.terrain())) {
+    if (outputs.strict) throw fail(ErrorKind::input, "{} (--strict)", line);
+    log_warning("{}", line);
+  }
 
   const auto written = Clock::now();
   for (const std::filesystem::path& path : outputs.images) {
@@ -198,7 +221,7 @@ void render_scene(const Scene& scene, const RenderOutputs& outputs, const Raster
   }
   const double output_ms = ms_since(written);
   if (!outputs.timings.empty())
-    write_timings(outputs.timings, renderer.timings(), device.info(), scene, startup_ms, output_ms);
+    write_timings(outputs.timings, renderer.timings(), device.info(), scene, renderer.terrain(), startup_ms, output_ms);
   if (result.interrupted)
     throw fail(ErrorKind::interrupted,
                "interrupted; the picture so far is written: {:.0f} paths a pixel, noise {:.1f} %; "

@@ -19,6 +19,8 @@ struct RenderOutputs {
   std::filesystem::path timings;              ///< JSON; empty: none
   std::string device;                         ///< as gpu::DeviceOptions::device
   bool validation = false;                    ///< Vulkan validation layer
+  bool strict = false;         ///< a raster of the ground that is bad, fails, or is not in view is an Error(input)
+  bool incomplete_ok = false;  ///< draw the ground as far as it is loaded
 };
 
 /// Draws a scene and writes its outputs. Throws Error.

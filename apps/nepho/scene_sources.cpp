@@ -3,7 +3,10 @@
 #include <algorithm>
 
 #include "base/log.h"
+#include "base/patient_caller.h"
 #include "io/mapped_raster.h"
+#include "terrain/cached_raster.h"
+#include "terrain/source_reader.h"
 
 namespace nepho {
 
@@ -22,10 +25,38 @@ std::vector<const Source*> in_order(const std::vector<Source>& stack) {
   return sorted;
 }
 
-std::vector<std::shared_ptr<Raster>> open_elevation(const RasterOpener& opener, const Scene& scene,
-                                                    const DefaultEarth& earth) {
+/// Opens rasters that may be damaged or not answer. `open` must own what it uses: it may outlive the call.
+class Opening {
+ public:
+  Opening(double timeout_s, BadSource bad) : timeout_s_(timeout_s), bad_(bad) {}
+  /// Null: it was left out.
+  template <typename F>
+  std::shared_ptr<Raster> operator()(const std::string& path, F open) const {
+    try {
+      const PatientCaller caller(timeout_s_);
+      std::optional<std::shared_ptr<Raster>> raster = caller.call(std::move(open));
+      if (!raster) throw fail(ErrorKind::input, "{}: does not answer within {:.3g} s", path, timeout_s_);
+      return SourceReader::of(std::move(*raster), timeout_s_);
+    } catch (const Error& e) {
+      if (bad_ == BadSource::error || e.kind() != ErrorKind::input) throw;
+      log_warning("{}; left out (--strict makes this an error)", e.what());
+      return nullptr;
+    }
+  }
+
+ private:
+  double timeout_s_;
+  BadSource bad_;
+};
+
+std::vector<std::shared_ptr<Raster>> open_elevation(const std::shared_ptr<const RasterOpener>& opener,
+                                                    const Scene& scene, const DefaultEarth& earth, BadSource bad,
+                                                    bool* has_default = nullptr) {
+  const Opening opening(scene.terrain.source_timeout_s, bad);
   std::vector<std::shared_ptr<Raster>> rasters;
-  if (!earth.elevation.empty()) rasters.push_back(opener.open_elevation(earth.elevation));
+  if (!earth.elevation.empty())
+    rasters.push_back(opening(earth.elevation, [opener, earth] { return opener->open_elevation(earth.elevation); }));
+  if (has_default) *has_default = !rasters.empty() && rasters[0];
   for (const ElevationSource* source : in_order(scene.terrain.elevation)) {
     RasterReading how{.opacity = source->opacity,
                       .vertical_scale = source->vertical_scale,
@@ -35,8 +66,10 @@ std::vector<std::shared_ptr<Raster>> open_elevation(const RasterOpener& opener, 
                       .timeout_s = scene.terrain.source_timeout_s};
     if (source->vertical_datum != "auto")
       how.vertical = source->vertical_datum == "ellipsoid" ? VerticalDatum::ellipsoid : VerticalDatum::egm96;
-    rasters.push_back(opener.open_elevation(source->path, how));
+    rasters.push_back(
+        opening(source->path, [opener, path = source->path, how] { return opener->open_elevation(path, how); }));
   }
+  std::erase(rasters, nullptr);
   return rasters;
 }
 
@@ -66,9 +99,10 @@ WeatherSources open_weather_files(const RasterOpener& opener, const Scene& scene
 
 }  // namespace
 
-TerrainSources open_terrain(const RasterAccess& rasters, const Scene& scene) {
+TerrainSources open_terrain(const RasterAccess& rasters, const Scene& scene, BadSource bad) {
   TerrainSources sources;
-  const RasterOpener& opener = *rasters.opener;
+  const std::shared_ptr<const RasterOpener>& opener = rasters.opener;
+  if (!rasters.has_gdal()) bad = BadSource::error;  // not the files are bad
   const DefaultEarth earth = scene.terrain.default_earth ? rasters.find_default_earth() : DefaultEarth{};
   if (scene.terrain.default_earth) {
     std::vector<std::string> missing;
@@ -82,16 +116,27 @@ TerrainSources open_terrain(const RasterAccess& rasters, const Scene& scene) {
           "part of the default Earth is not installed: {}; install with apt-get install --no-install-recommends",
           fmt::join(missing, ", "));
   }
-  sources.elevation = open_elevation(opener, scene, earth);
-  sources.has_default = !earth.elevation.empty();
+  const Opening opening(scene.terrain.source_timeout_s, bad);
+  sources.elevation = open_elevation(opener, scene, earth, bad, &sources.has_default);
   if (!earth.imagery.empty())
-    sources.imagery.push_back(
-        make_mapped_imagery(opener.open_imagery(earth.imagery), albedo_curve(kBlueMarbleOffset, kBlueMarbleScale)));
+    sources.imagery.push_back(opening(earth.imagery, [opener, earth] {
+      return make_mapped_imagery(opener->open_imagery(earth.imagery),
+                                 albedo_curve(kBlueMarbleOffset, kBlueMarbleScale));
+    }));
   for (const ImagerySource* source : in_order(scene.imagery.files))
-    sources.imagery.push_back(open_picture(opener, *source, scene.terrain.source_timeout_s));
-  if (!earth.night.empty()) sources.night_lights = opener.open_imagery(earth.night);
+    sources.imagery.push_back(
+        opening(source->path, [opener, picture = *source, timeout_s = scene.terrain.source_timeout_s] {
+          return open_picture(*opener, picture, timeout_s);
+        }));
+  std::erase(sources.imagery, nullptr);
+  if (!earth.night.empty())
+    sources.night_lights = opening(earth.night, [opener, earth] { return opener->open_imagery(earth.night); });
   if (!scene.terrain.water_mask.empty())
-    sources.water_mask = opener.open_imagery(scene.terrain.water_mask, {.timeout_s = scene.terrain.source_timeout_s});
+    sources.water_mask = opening(scene.terrain.water_mask,
+                                 [opener, path = scene.terrain.water_mask, timeout_s = scene.terrain.source_timeout_s] {
+                                   return opener->open_imagery(path, {.timeout_s = timeout_s});
+                                 });
+  sources.caches = make_raster_caches(scene.terrain);
   sources.geoid = egm96();
   sources.bare_albedo = scene.imagery.bare_albedo;
   return sources;
@@ -112,15 +157,20 @@ SkySources open_sky(const RasterAccess& rasters, const Scene& scene) {
 
 WeatherSources open_weather(const RasterAccess& rasters, const Scene& scene, const TerrainSources& terrain) {
   WeatherSources sources = open_weather_files(*rasters.opener, scene);
-  sources.elevation = terrain.elevation;
+  // The scene's own may be large or fail; the default Earth is neither.
+  for (size_t i = 0; i < terrain.elevation.size(); ++i)
+    sources.elevation.push_back(i == 0 && terrain.has_default
+                                    ? terrain.elevation[i]
+                                    : make_cached_raster(terrain.elevation[i], terrain.caches));
   sources.geoid = terrain.geoid;
   return sources;
 }
 
 WeatherSources open_weather(const RasterAccess& rasters, const Scene& scene) {
   WeatherSources sources = open_weather_files(*rasters.opener, scene);
-  sources.elevation = open_elevation(*rasters.opener, scene,
-                                     scene.terrain.default_earth ? rasters.find_default_earth() : DefaultEarth{});
+  sources.elevation =
+      open_elevation(rasters.opener, scene, scene.terrain.default_earth ? rasters.find_default_earth() : DefaultEarth{},
+                     BadSource::error);
   sources.geoid = egm96();
   return sources;
 }

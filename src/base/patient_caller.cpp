@@ -1,9 +1,11 @@
 #include "base/patient_caller.h"
 
 #include <pthread.h>
+#include <sys/resource.h>
 #include <time.h>
 
 #include <algorithm>
+#include <array>
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -39,9 +41,11 @@ std::atomic<int> left_behind{0};
 /// program, which is why this object is never destroyed.
 class Threads {
  public:
-  static Threads& all() {
-    static Threads* const threads = new Threads;
-    return *threads;
+  /// Those that are as nice as the calling thread: what gives way does so here too. (On Linux each thread has a
+  /// niceness of its own, which those that it starts inherit.)
+  static Threads& as_nice_as_caller() {
+    static auto* const threads = new std::array<Threads, 40>;
+    return (*threads)[static_cast<size_t>(std::clamp(getpriority(PRIO_PROCESS, 0) + 20, 0, 39))];
   }
   void begin(std::shared_ptr<Call> call) {
     {
@@ -105,7 +109,7 @@ bool PatientCaller::run(std::function<void()> work, double* waited_s) const {
   const auto call = std::make_shared<Call>();
   call->work = std::move(work);
   const int64_t start = now_ns();
-  Threads::all().begin(call);
+  Threads::as_nice_as_caller().begin(call);
 
   const auto patience_ns = static_cast<int64_t>(patience_s_ * 1e9);
   const auto slice = std::chrono::nanoseconds(std::clamp<int64_t>(patience_ns / 8, 1'000'000, 1'000'000'000));

@@ -49,7 +49,7 @@ void find_out(GdalSource& source, const RasterReading& how, const GdalMessages& 
       source.tiles = find_tiles(path, *tiles, how, source.use == RasterUse::elevation, messages);
     } else if (!gdal_opens(path)) {
       const RasterMosaic mosaic = mosaic_of_folder(folder, source.use == RasterUse::elevation, messages);
-      source.dataset = mosaic.vrt;
+      source.dataset = mosaic.name;
       for (const std::string& file : mosaic.files) source.fingerprint += file + stamp_of(file) + "\n";
     }
   }

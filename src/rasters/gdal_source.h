@@ -16,7 +16,7 @@ enum class RasterUse { elevation, imagery, weather, weather_tile };
 struct GdalSource {
   std::string path;  ///< as the user named it
   RasterUse use = RasterUse::elevation;
-  std::string dataset;           ///< what GDAL opens: a name, or a VRT in XML
+  std::string dataset;           ///< what GDAL opens
   std::optional<TileSet> tiles;  ///< instead of `dataset`
   HeightCode code = HeightCode::none;
   bool expand_palette = false;

@@ -350,8 +350,12 @@ WarpPlan plan_warp(GDALDataset& source, const std::string& path, bool elevation,
   const double source_pixels = double(source.GetRasterXSize()) * source.GetRasterYSize();
   const double wanted = (f->east - f->west) / f->lon_step * ((f->north - f->south) / f->lat_step);
   const double coarser = std::max(1.0, std::sqrt(wanted / (kMostPixels * source_pixels + 1e6)));
-  int width = std::max(1, static_cast<int>(std::ceil((f->east - f->west) / (f->lon_step * coarser) - 1e-6)));
-  int height = std::max(1, static_cast<int>(std::ceil((f->north - f->south) / (f->lat_step * coarser) - 1e-6)));
+  // Rounding in the steps must not add a pixel, or, with overviews, a row of the coarsest level's.
+  const auto pixels = [&](double extent, double step) {
+    const double count = extent / (step * coarser);
+    return std::max(1, static_cast<int>(std::ceil(count - std::max(1e-6, 1e-6 * count))));
+  };
+  int width = pixels(f->east - f->west, f->lon_step), height = pixels(f->north - f->south, f->lat_step);
   WarpPlan plan;
   plan.levels = warp_levels(source, width, height);
   const uint32_t halvings = plan.levels.back().level;

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <tuple>
 
 #include "base/error.h"
 #include "base/log.h"
@@ -54,7 +55,7 @@ void list_files(const std::string& folder, int depth, std::vector<std::string>& 
 struct Kind {
   int bands = 0;
   bool palette = false;
-  std::string crs;
+  std::string type, meaning, crs;
   auto operator<=>(const Kind&) const = default;
 };
 
@@ -62,8 +63,11 @@ std::optional<Kind> kind_of(const std::string& file) {
   const GdalMessages quiet;
   const GDALDatasetUniquePtr dataset(GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
   if (!dataset || dataset->GetRasterCount() == 0) return std::nullopt;
-  Kind kind{
-      .bands = dataset->GetRasterCount(), .palette = dataset->GetRasterBand(1)->GetColorTable() != nullptr, .crs = {}};
+  Kind kind{.bands = dataset->GetRasterCount(),
+            .palette = dataset->GetRasterBand(1)->GetColorTable() != nullptr,
+            .type = GDALGetDataTypeName(dataset->GetRasterBand(1)->GetRasterDataType()),
+            .meaning = GDALGetColorInterpretationName(dataset->GetRasterBand(1)->GetColorInterpretation()),
+            .crs = {}};
   if (const OGRSpatialReference* srs = dataset->GetSpatialRef()) {
     char* text = nullptr;
     srs->exportToWkt(&text);
@@ -79,7 +83,7 @@ std::string in_memory_name() {
 }
 
 /// A VRT of files of one kind; its name in memory.
-std::string put_together(const std::vector<std::string>& files, const std::string& folder,
+std::string put_together(const std::vector<std::string>& files, const std::string& folder, bool elevation,
                          const GdalMessages& messages) {
   bool bare = false;  // without nodata, alpha or mask, gaps would read as numbers
   {
@@ -97,16 +101,20 @@ std::string put_together(const std::vector<std::string>& files, const std::strin
   const GDALDatasetUniquePtr mosaic(GDALDataset::FromHandle(
       GDALBuildVRT(name.c_str(), names.Count(), nullptr, names.List(), options.get(), &misuse)));
   if (!mosaic) throw fail(ErrorKind::input, "{}: its rasters cannot be put together{}", folder, messages.in_brackets());
+  // GDAL puts only bands of one meaning together; some formats of elevation name none.
+  if (elevation) mosaic->GetRasterBand(1)->SetColorInterpretation(GCI_GrayIndex);
+  if (messages.contains("kipping"))
+    log_warning("{}: some of its rasters cannot be put together with the others{}", folder, messages.in_brackets());
   return name;
 }
 
-/// The same warped, where it is not in longitude and latitude already.
+/// The same warped to longitude and latitude; heights become floating-point numbers, NaN where there are none.
 std::string on_lon_lat(const std::string& vrt, bool elevation, const std::string& folder,
                        const GdalMessages& messages) {
   const GDALDatasetUniquePtr dataset(GDALDataset::Open(vrt.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
   if (!dataset)
     throw fail(ErrorKind::input, "{}: its rasters cannot be put together{}", folder, messages.in_brackets());
-  if (native_grid(*dataset, folder, messages)) return vrt;
+  native_grid(*dataset, folder, messages);  // throws where nothing says where it lies
   const double alpha_max = dataset->GetRasterBand(1)->GetRasterDataType() == GDT_Byte ? 255.0 : 65535.0;
   const WarpPlan plan = plan_warp(*dataset, folder, elevation, alpha_max, messages);
   const std::string name = in_memory_name();
@@ -119,11 +127,14 @@ std::string on_lon_lat(const std::string& vrt, bool elevation, const std::string
 RasterMosaic mosaic_of_folder(const std::string& folder, bool elevation, const GdalMessages& messages) {
   std::vector<std::string> files, skipped;
   list_files(folder, 0, files);
-  std::map<std::pair<int, bool>, size_t> counts;
+  using Look = std::tuple<int, bool, std::string>;
+  // Heights of all types can be put together.
+  const auto look_of = [&](const Kind& kind) { return Look(kind.bands, kind.palette, elevation ? "" : kind.type); };
+  std::map<Look, size_t> counts;
   std::vector<std::pair<std::string, Kind>> rasters;
   for (const std::string& file : files) {
     if (const std::optional<Kind> kind = kind_of(file)) {
-      ++counts[{kind->bands, kind->palette}];
+      ++counts[look_of(*kind)];
       rasters.emplace_back(file, *kind);
     } else {
       skipped.push_back(file);
@@ -132,15 +143,17 @@ RasterMosaic mosaic_of_folder(const std::string& folder, bool elevation, const G
   if (rasters.empty()) throw fail(ErrorKind::input, "{}: is a folder without rasters ({} files)", folder, files.size());
   const auto most = std::ranges::max_element(counts, {}, [](const auto& entry) { return entry.second; })->first;
   RasterMosaic mosaic;
-  std::vector<std::pair<std::string, std::vector<std::string>>> groups;  // by CRS, in order of first use
+  std::vector<std::pair<std::string, std::vector<std::string>>>
+      groups;  // that GDAL can put together, in order of first use
   for (const auto& [file, kind] : rasters) {
-    if (std::pair{kind.bands, kind.palette} != most) {
+    if (look_of(kind) != most) {
       skipped.push_back(file);
       continue;
     }
     mosaic.files.push_back(file);
-    auto group = std::ranges::find(groups, kind.crs, [](const auto& g) { return g.first; });
-    if (group == groups.end()) group = groups.insert(groups.end(), {kind.crs, {}});
+    const std::string common = kind.type + " " + kind.meaning + " " + kind.crs;
+    auto group = std::ranges::find(groups, common, [](const auto& g) { return g.first; });
+    if (group == groups.end()) group = groups.insert(groups.end(), {common, {}});
     group->second.push_back(file);
   }
   if (!skipped.empty())
@@ -148,14 +161,12 @@ RasterMosaic mosaic_of_folder(const std::string& folder, bool elevation, const G
                 files.size(), skipped.front().substr(folder.size() + 1), skipped.size() > 1 ? ", ..." : "");
 
   std::vector<std::string> parts;
-  for (const auto& [crs, members] : groups) parts.push_back(put_together(members, folder, messages));
+  for (const auto& [common, members] : groups) parts.push_back(put_together(members, folder, elevation, messages));
   if (parts.size() > 1) {
     for (std::string& part : parts) part = on_lon_lat(part, elevation, folder, messages);
-    parts = {put_together(parts, folder, messages)};
+    parts = {put_together(parts, folder, elevation, messages)};
   }
-  vsi_l_offset size = 0;
-  const GByte* const text = VSIGetMemFileBuffer(parts[0].c_str(), &size, FALSE);
-  mosaic.vrt.assign(reinterpret_cast<const char*>(text), static_cast<size_t>(size));
+  mosaic.name = parts[0];
   return mosaic;
 }
 

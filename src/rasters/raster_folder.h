@@ -8,7 +8,7 @@ namespace nepho {
 
 /// A folder of rasters put together.
 struct RasterMosaic {
-  std::string vrt;                 ///< XML of GDAL's VRT format, to be opened as it is
+  std::string name;                ///< a VRT in memory, to be opened with GDAL
   std::vector<std::string> files;  ///< what it is made of, in order: later over earlier
 };
 

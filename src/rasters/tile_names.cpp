@@ -218,6 +218,7 @@ GDALDatasetUniquePtr first_remote_tile(const TileSet& tiles, const std::string& 
 }  // namespace
 
 bool is_tile_template(const std::string& path) {
+  if (path.starts_with('<')) return false;  // a description in XML, which has templates of its own
   return contains(path, "{q}") ||
          (contains(path, "{z}") && contains(path, "{x}") && (contains(path, "{y}") || contains(path, "{-y}")));
 }

@@ -185,9 +185,9 @@ RenderResult Renderer::render(const RenderRequest& request) {
     frame.buffer = graph.constants("frame", frame.constants);
 
     auto start = Clock::now();
-    p.terrain.prepare(frame, {.complete = !request.incomplete_ok,
-                              .at_most_s = request.ground_wait_s,
-                              .on_progress = request.on_ground});
+    p.terrain.prepare(
+        frame,
+        {.complete = !request.incomplete_ok, .at_most_s = request.ground_wait_s, .on_progress = request.on_ground});
     timings_.terrain_ms += ms_since(start);
 
     start = Clock::now();
@@ -206,7 +206,8 @@ RenderResult Renderer::render(const RenderRequest& request) {
     CloudDensityRefs density;
     CloudShadowRefs shadow;
     CloudLight::Refs light;
-    const bool terrain_shades = scene_.terrain.shadows && p.terrain_shadow_map.update(p.terrain.heights(), frame, request.incomplete_ok);
+    const bool terrain_shades =
+        scene_.terrain.shadows && p.terrain_shadow_map.update(p.terrain.heights(), frame, request.incomplete_ok);
     const TerrainVolumeRefs terrain_air =
         terrain_shades ? p.terrain_shadow_map.add_volume(graph, frame) : TerrainVolumeRefs{};
     if (p.clouds) {

@@ -58,7 +58,9 @@ RenderResult Renderer::render_reference(const RenderRequest& request) {
         shared::night_sky_illuminance(static_cast<float>(scene_.night_sky.airglow_cd_m2), scene_.night_sky.stars);
     frame.buffer = graph.constants("frame", frame.constants);
     const auto start = Clock::now();
-    p.terrain.prepare(frame, {.on_progress = request.on_ground});
+    p.terrain.prepare(
+        frame,
+        {.complete = !request.incomplete_ok, .at_most_s = request.ground_wait_s, .on_progress = request.on_ground});
     timings_.terrain_ms += 1e3 * seconds_since(start);
     const std::vector<shared::SkyView> views = sky_views_of(p.atmosphere->uniform(), frame.constants);
     const AtmosphereTables::Refs atmosphere = p.atmosphere->add(graph, views);

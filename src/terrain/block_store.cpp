@@ -1,7 +1,9 @@
 #include "terrain/block_store.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -158,6 +160,8 @@ void BlockStore::flush() {
 }
 
 void BlockStore::serve() {
+  // Nobody waits for it: it gives way to the program's other threads.
+  (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::syscall(SYS_gettid)), 5);
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [this] { return !jobs_.empty() || stop_; });

@@ -130,6 +130,14 @@ TEST_CASE("the options of the issue's example give the scene that they say") {
   CHECK(scene.render.height == 361);
 }
 
+TEST_CASE("--strict and --incomplete-ok are handed on, and are off without being asked for") {
+  const Run plain = render({}), both = render({"--strict", "--incomplete-ok"});
+  CHECK_FALSE(plain.outputs.strict);
+  CHECK_FALSE(plain.outputs.incomplete_ok);
+  CHECK(both.outputs.strict);
+  CHECK(both.outputs.incomplete_ok);
+}
+
 TEST_CASE("every option of one number or name sets its parameter") {
   const Scene scene = scene_of({"--agl",    "12.5",  "--heading", "270",        "--pitch",    "-30",        "--roll",
                                 "-5",       "--fov", "60",        "--quality",  "low",        "--coverage", "0.7",

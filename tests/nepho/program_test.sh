@@ -59,10 +59,10 @@ fails_render 3 'no such file' missing.json
 fails_render 3 'line 1, column' broken.json
 fails_render 3 "did you mean 'coverage'" unknown_key.json
 fails_render 3 'missing.tif: no such file' --terrain missing.tif
-fails_render 3 'noise.tif' --terrain noise.tif
-fails_render 3 'no_georeference.pgm' --terrain no_georeference.pgm
-fails_render 3 'no_georeference.pgm' --imagery no_georeference.pgm
-fails_render 3 'plain.asc' --terrain plain.asc
+fails_render 3 'noise.tif' --terrain noise.tif --strict
+fails_render 3 'no_georeference.pgm' --terrain no_georeference.pgm --strict
+fails_render 3 'no_georeference.pgm' --imagery no_georeference.pgm --strict
+fails_render 3 'plain.asc' --terrain plain.asc --strict
 VK_ICD_FILENAMES=/nonexistent VK_DRIVER_FILES=/nonexistent fails_render 4 'Vulkan'
 fails_render 4 'no-such-device' --device no-such-device
 fails 5 'cannot be written' render -o /nonexistent/picture.png

@@ -249,6 +249,21 @@ TEST_CASE("tiles: a URL template asks a server; what it lacks are holes, and its
   CHECK(server.asked().size() <= before + 1);  // zoom 0 and nothing else
 }
 
+TEST_CASE("tiles: a service of the whole Earth in 20 zooms is one raster, and a look at it asks for a few tiles only") {
+  const TempFolder folder;
+  write_tile(folder / "a.png", {10, 20, 30});
+  const HttpServer server(
+      [&](const std::string&) -> HttpServer::Answer { return {.body = bytes_of(folder / "a.png")}; });
+  const auto raster = imagery(server.url() + "/{z}/{x}/{-y}");
+  CHECK(raster->info().width == 256u << 19);
+  CHECK(values_at(*raster, 138.7275, 35.3625) == std::vector<float>{10, 20, 30, 255});
+  const uint32_t last = raster->reductions() - 1;
+  CHECK(raster->read_block(last, 0, 0)->values[0] == 10.0f);
+  CHECK(server.asked().size() < 20);
+  const auto heights = make_gdal_opener()->open_elevation(server.url() + "/{z}/{x}/{y}.png", {.encoding = "terrarium"});
+  CHECK(heights->info().width == 256u << 15);
+}
+
 TEST_CASE("tiles: a server that hangs fails after the timeout, at the start and later") {
   const TempFolder folder;
   write_world(folder / "tiles");

@@ -81,6 +81,43 @@ TEST_CASE("camera: without a height it stands 2 m above the ground") {
   CHECK(pose.at.height_m == doctest::Approx(1236.0));
 }
 
+TEST_CASE("camera: one in the ground is lifted to 2 m above it, and aimed from there") {
+  const auto ground = [](double lat_rad, double) { return lat_rad > 0.0 ? 1234.0 : 30.0; };  // south: the sea
+  CameraParams params;
+  params.lat_deg = 35.47;
+  params.lon_deg = 138.60;
+  params.height_m = 1000.0;
+  params.look_at = LookAt{35.3606, 138.7274, 3700.0};
+  const CameraPose lifted = resolve_camera(params, ground);
+  CHECK(lifted.at.height_m == 1236.0);
+  REQUIRE(lifted.lifted_from_m.has_value());
+  CHECK(*lifted.lifted_from_m == 1000.0);
+  const dvec3 target = ecef_from_geodetic(Geodetic::from_degrees(35.3606, 138.7274, 3700.0));
+  CHECK(glm::dot(glm::normalize(target - lifted.ecef_m), lifted.axes.forward) > 1.0 - 1e-14);
+  CHECK(glm::length(ecef_from_geodetic(lifted.at) - lifted.ecef_m) < 1e-6);
+
+  params.allow_underground = true;
+  CHECK(resolve_camera(params, ground).at.height_m == 1000.0);
+  CHECK_FALSE(resolve_camera(params, ground).lifted_from_m.has_value());
+
+  CameraParams sea;
+  sea.lat_deg = -10.0;
+  sea.agl_m = -5.0;
+  CHECK(resolve_camera(sea, ground).at.height_m == 32.0);
+  for (const double agl_m : {0.1, 0.5, 2.0, 1e6}) {  // just above the ground is above it
+    sea.agl_m = agl_m;
+    CHECK(resolve_camera(sea, ground).at.height_m == 30.0 + agl_m);
+  }
+  sea.agl_m = 0.0;  // the near plane would cut the ground open
+  CHECK(resolve_camera(sea, ground).at.height_m == 32.0);
+  // Cameras above all ground ask nobody.
+  sea.agl_m.reset();
+  sea.height_m = 9000.0;
+  CHECK(resolve_camera(
+            sea, [](double, double) -> double { throw 1; }, 8000.0)
+            .at.height_m == 9000.0);
+}
+
 TEST_CASE("frame constants: the direction of a pixel agrees with the double camera to a hundredth of a pixel") {
   CameraParams params;
   params.height_m = 400e3;

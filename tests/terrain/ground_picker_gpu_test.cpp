@@ -77,8 +77,9 @@ TEST_CASE("gpu: a pick is where the pixel is drawn, within the depth buffer's fl
       }
     CHECK(ground > kExtent.width * kExtent.height / 4);
     CHECK(edges < ground / 20);  // the interval says something
-    // Around a pole a mesh cell is kilometres long and metres wide: snapping its corners tilts it.
-    CHECK(wrong <= (std::abs(c.lat) > 89.0 ? kExtent.width * kExtent.height / 500 : 0));
+    // Around a pole a mesh cell is kilometres long and metres wide: snapping its corners tilts it. On the limb a
+    // snapped peak may hide what none of these rays misses.
+    CHECK(wrong <= (std::abs(c.lat) > 89.0 ? kExtent.width * kExtent.height / 500 : 1));
   }
   MESSAGE("beyond the interval by " << worst << " of the distance at most");
 }

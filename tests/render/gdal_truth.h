@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,9 +15,9 @@ namespace nepho {
 
 /// A raster as GDAL itself reads it, at its own pixels: what pictures of the ground are checked against. Shares no code
 /// with the modules rasters and terrain. Datasets without georeference are global.
-class GdalSource {
+class GdalTruth {
  public:
-  explicit GdalSource(const std::string& path) {
+  explicit GdalTruth(const std::string& path) {
     GDALAllRegister();
     dataset_.reset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER));
     if (!dataset_) return;
@@ -60,6 +61,32 @@ class GdalSource {
     double low = 1e300, high = -1e300;
     double at = 0.0;  ///< of the nearest sample
   };
+  /// Bilinear between pixel centres; empty at the edge and where a sample is no data.
+  std::optional<double> bilinear(double lat_deg, double lon_deg, double shift_x = 0.0, double shift_y = 0.0) {
+    if (band_.empty()) read_band();
+    const Pixel p = pixel_at(lat_deg, lon_deg);
+    const double x = p.x + shift_x - 0.5, y = p.y + shift_y - 0.5;
+    const double fx = x - std::floor(x), fy = y - std::floor(y);
+    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+    if (x0 < 0 || y0 < 0 || x0 + 1 >= width() || y0 + 1 >= height()) return std::nullopt;
+    const auto v = [&](int i, int j) {
+      return band_[static_cast<size_t>(y0 + j) * static_cast<size_t>(width()) + static_cast<size_t>(x0 + i)];
+    };
+    const double value = (1 - fy) * ((1 - fx) * v(0, 0) + fx * v(1, 0)) + fy * ((1 - fx) * v(0, 1) + fx * v(1, 1));
+    if (std::isnan(value)) return std::nullopt;
+    return value;
+  }
+  /// A band's value between the four samples around, bilinear; empty at the edge.
+  std::optional<double> between(double lat_deg, double lon_deg, int band) const {
+    const Pixel p = pixel_at(lat_deg, lon_deg);
+    const double x = p.x - 0.5, y = p.y - 0.5, fx = x - std::floor(x), fy = y - std::floor(y);
+    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+    if (x0 < 0 || y0 < 0 || x0 + 1 >= width() || y0 + 1 >= height()) return std::nullopt;
+    double v[4];
+    GDALRasterBand* b = dataset_->GetRasterBand(std::min(band, dataset_->GetRasterCount()));
+    if (b->RasterIO(GF_Read, x0, y0, 2, 2, v, 2, 2, GDT_Float64, 0, 0) != CE_None) return std::nullopt;
+    return (1 - fy) * ((1 - fx) * v[0] + fx * v[1]) + fy * ((1 - fx) * v[2] + fx * v[3]);
+  }
   /// The samples within `reach` of the nearest one; empty at the edge and where one of them is no data.
   std::optional<Range> around(double lat_deg, double lon_deg, int band, int reach) const {
     const Pixel p = pixel_at(lat_deg, lon_deg);
@@ -78,12 +105,25 @@ class GdalSource {
   }
 
  private:
+  /// The first band, NaN where there is no data.
+  void read_band() {
+    band_.resize(static_cast<size_t>(width()) * static_cast<size_t>(height()));
+    std::vector<unsigned char> mask(band_.size());
+    GDALRasterBand* b = dataset_->GetRasterBand(1);
+    const bool good =
+        b->RasterIO(GF_Read, 0, 0, width(), height(), band_.data(), width(), height(), GDT_Float64, 0, 0) == CE_None &&
+        b->GetMaskBand()->RasterIO(GF_Read, 0, 0, width(), height(), mask.data(), width(), height(), GDT_Byte, 0, 0) ==
+            CE_None;
+    for (size_t i = 0; i < band_.size(); ++i)
+      if (!good || mask[i] == 0) band_[i] = std::numeric_limits<double>::quiet_NaN();
+  }
   struct Close {
     void operator()(GDALDataset* d) const { GDALClose(d); }
     void operator()(OGRCoordinateTransformation* t) const { OGRCoordinateTransformation::DestroyCT(t); }
   };
   std::unique_ptr<GDALDataset, Close> dataset_;
   std::unique_ptr<OGRCoordinateTransformation, Close> from_lonlat_, to_lonlat_;
+  std::vector<double> band_;
   std::array<double, 6> forward_{}, inverse_{};
 };
 
