@@ -75,13 +75,12 @@ nlohmann::ordered_json ground_report(const Terrain& terrain) {
     if (!s.failure.empty()) sources.back()["failure"] = s.failure;
   }
   const Terrain::Stats& stats = terrain.stats();
-  nlohmann::ordered_json j = {{"tiles_drawn", stats.tiles_drawn}, {"tiles_loaded", stats.tiles_loaded},
-                              {"triangles", stats.triangles},     {"deepest_level", stats.deepest_level},
-                              {"select_ms", stats.select_ms},     {"build_ms", stats.build_ms},
-                              {"upload_ms", stats.upload_ms},     {"blocks_read", sum.read},
-                              {"blocks_averaged", sum.averaged},  {"blocks_from_disk", sum.from_disk},
-                              {"blocks_retried", sum.retried},    {"blocks_failed", sum.failed},
-                              {"gpu_bytes", stats.gpu_bytes}};
+  nlohmann::ordered_json j = {
+      {"tiles_drawn", stats.tiles_drawn}, {"tiles_missing", stats.tiles_missing}, {"tiles_loaded", stats.tiles_loaded},
+      {"triangles", stats.triangles},     {"deepest_level", stats.deepest_level}, {"select_ms", stats.select_ms},
+      {"build_ms", stats.build_ms},       {"upload_ms", stats.upload_ms},         {"blocks_read", sum.read},
+      {"blocks_averaged", sum.averaged},  {"blocks_from_disk", sum.from_disk},    {"blocks_retried", sum.retried},
+      {"blocks_failed", sum.failed},      {"gpu_bytes", stats.gpu_bytes}};
   if (const HostBudget* memory = terrain.caches().memory.get()) {
     j["host_bytes"] = memory->bytes();
     j["host_peak_bytes"] = memory->peak_bytes();
