@@ -79,7 +79,7 @@ double linear(double srgb_255) {
 
 TEST_CASE("gpu: every elevation raster of the shared data is drawn in the right place by its path alone") {
   GpuFixture gpu;
-  for (const char* file : {"dem/mt_fuji_90m.tif", "dem/N46E008_swiss_alps.tif", "dem/N42E001.hgt"}) {
+  for (const std::string file : {"dem/mt_fuji_90m.tif", "dem/N46E008_swiss_alps.tif", "dem/N42E001.hgt"}) {
     CAPTURE(file);
     const std::string path = left_out(file) ? "" : shared_data(file);
     if (path.empty()) continue;
@@ -113,8 +113,9 @@ TEST_CASE("gpu: every elevation raster of the shared data is drawn in the right 
 
 TEST_CASE("gpu: every picture of the shared data is drawn in the right place and colour by its path alone") {
   struct Picture {
-    const char *file, *truth;  // GDAL reads no folders of tiles: the same tiles as one file
-    double lat, lon;           // to look at; 0, 0: the middle of the picture
+    std::string file;
+    const char* truth;  // GDAL reads no folders of tiles: the same tiles as one file
+    double lat, lon;    // to look at; 0, 0: the middle of the picture
   };
   GpuFixture gpu;
   for (const Picture& picture :
