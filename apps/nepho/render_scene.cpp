@@ -159,10 +159,10 @@ class InterruptGuard {
 void render_scene(const Scene& scene, const RenderOutputs& outputs, const RasterAccess& rasters) {
   const auto start = Clock::now();
   const ExrFile earlier = outputs.resume.empty() ? ExrFile{} : read_earlier(outputs.resume, scene);
+  const SkySources sky = open_sky(rasters, scene);  // before files that may hang
   // Bad files are told before a device is asked for.
   TerrainSources terrain = open_terrain(rasters, scene, outputs.strict ? BadSource::error : BadSource::warning);
   const std::vector<RasterInfo> named = named_rasters(terrain, scene);
-  const SkySources sky = open_sky(rasters, scene);
   const WeatherSources weather = open_weather(rasters, scene, terrain);
   gpu::Device device({.device = outputs.device, .validation = outputs.validation});
   Renderer renderer(device, std::move(terrain), scene, sky, weather);

@@ -117,20 +117,21 @@ TerrainSources open_terrain(const RasterAccess& rasters, const Scene& scene, Bad
           fmt::join(missing, ", "));
   }
   const Opening opening(scene.terrain.source_timeout_s, bad);
-  sources.elevation = open_elevation(opener, scene, earth, bad, &sources.has_default);
   if (!earth.imagery.empty())
     sources.imagery.push_back(opening(earth.imagery, [opener, earth] {
       return make_mapped_imagery(opener->open_imagery(earth.imagery),
                                  albedo_curve(kBlueMarbleOffset, kBlueMarbleScale));
     }));
+  if (!earth.night.empty())
+    sources.night_lights = opening(earth.night, [opener, earth] { return opener->open_imagery(earth.night); });
+  // After the default Earth: while GDAL waits for a file that hangs it may open no other.
+  sources.elevation = open_elevation(opener, scene, earth, bad, &sources.has_default);
   for (const ImagerySource* source : in_order(scene.imagery.files))
     sources.imagery.push_back(
         opening(source->path, [opener, picture = *source, timeout_s = scene.terrain.source_timeout_s] {
           return open_picture(*opener, picture, timeout_s);
         }));
   std::erase(sources.imagery, nullptr);
-  if (!earth.night.empty())
-    sources.night_lights = opening(earth.night, [opener, earth] { return opener->open_imagery(earth.night); });
   if (!scene.terrain.water_mask.empty())
     sources.water_mask = opening(scene.terrain.water_mask,
                                  [opener, path = scene.terrain.water_mask, timeout_s = scene.terrain.source_timeout_s] {
@@ -150,7 +151,9 @@ SkySources open_sky(const RasterAccess& rasters, const Scene& scene) {
                           ? "marble-qt-data is not installed: the moon is plain grey and there are no stars; install "
                             "it with apt-get install --no-install-recommends marble-qt-data"
                           : "this build has no GDAL: the moon is plain grey and there are no stars");
-  if (scene.night_sky.moon && !earth.moon.empty()) sources.moon_texture = rasters.opener->open_imagery(earth.moon);
+  if (scene.night_sky.moon && !earth.moon.empty())
+    sources.moon_texture = Opening(scene.terrain.source_timeout_s, BadSource::warning)(
+        earth.moon, [opener = rasters.opener, earth] { return opener->open_imagery(earth.moon); });
   if (scene.night_sky.stars && !earth.stars.empty()) sources.stars = read_star_catalog(earth.stars);
   return sources;
 }

@@ -84,10 +84,24 @@ const DatasetHandle::Level& DatasetHandle::level_for(uint32_t reduction) const {
   return *best;
 }
 
+DatasetHandle::Window DatasetHandle::window_of(const Level& level, uint32_t x0, uint32_t y0, uint32_t width,
+                                               uint32_t rows) const {
+  return {level.x_off + static_cast<int>(layout_.grid.flip_x ? level.width - x0 - width : x0),
+          level.y_off + static_cast<int>(layout_.grid.flip_y ? level.height - y0 - rows : y0)};
+}
+
+bool DatasetHandle::is_empty(const Level& level, uint32_t x0, uint32_t y0, uint32_t width, uint32_t rows) const {
+  // Without nodata or alpha what is empty reads as 0, which is a number like others.
+  GDALRasterBand* const band = level.alpha ? level.alpha : level.colors[0];
+  if (!level.alpha && !(band->GetMaskFlags() & GMF_NODATA)) return false;
+  const Window at = window_of(level, x0, y0, width, rows);
+  return band->GetDataCoverageStatus(at.x, at.y, static_cast<int>(width), static_cast<int>(rows), 0, nullptr) ==
+         GDAL_DATA_COVERAGE_STATUS_EMPTY;
+}
+
 bool DatasetHandle::read_raw(const Level& level, uint32_t x0, uint32_t y0, uint32_t width, uint32_t rows) {
   const int w = static_cast<int>(width), h = static_cast<int>(rows);
-  const int x = level.x_off + static_cast<int>(layout_.grid.flip_x ? level.width - x0 - width : x0);
-  const int y = level.y_off + static_cast<int>(layout_.grid.flip_y ? level.height - y0 - rows : y0);
+  const auto [x, y] = window_of(level, x0, y0, width, rows);
   const size_t bands = level.colors.size() + (level.alpha ? 1 : 0), pixels = size_t{width} * rows;
   raw_.resize(pixels * bands);
   for (size_t b = 0; b < bands; ++b) {

@@ -53,11 +53,18 @@ class DatasetHandle {
   const Level& level_for(uint32_t reduction) const;
   /// Raw numbers of delivered rows y0 .. y0 + rows, in the dataset's own order, and which of them are data.
   bool read_raw(const Level& level, uint32_t x0, uint32_t y0, uint32_t width, uint32_t rows);
+  /// Whether nothing was ever put there, so that it need not be read: between the parts of a mosaic, in sparse files.
+  bool is_empty(const Level& level, uint32_t x0, uint32_t y0, uint32_t width, uint32_t rows) const;
   /// One delivered row out of what read_raw() left.
   void deliver(uint32_t row, uint32_t width, uint32_t rows, uint32_t bands, std::vector<float>& values,
                std::vector<uint8_t>& valid) const;
 
  private:
+  struct Window {
+    int x, y;
+  };
+  /// Where delivered pixels begin in the bands.
+  Window window_of(const Level& level, uint32_t x0, uint32_t y0, uint32_t width, uint32_t rows) const;
   void find_levels();
   bool read_mask(const Level& level, int x, int y, int width, int rows);
 

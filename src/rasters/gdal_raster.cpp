@@ -82,6 +82,7 @@ Result<RasterBlock> GdalRaster::read_block(uint32_t reduction, uint32_t bx, uint
 
   const GdalMessages messages;
   BlockAverager averager(w.src_width, w.src_height, info_.bands, w.factor);
+  if (handle.is_empty(level, w.x0, w.y0, w.src_width, w.src_height)) return std::move(averager).finish();
   std::vector<float> values(size_t{w.src_width} * info_.bands);
   std::vector<uint8_t> valid(w.src_width);
   const auto strip = static_cast<uint32_t>(std::max<size_t>(1, kScratchPixels / w.src_width));

@@ -108,8 +108,7 @@ Renderer::Renderer(gpu::Device& device, TerrainSources sources, const Scene& sce
   const auto start = Clock::now();
   parts_ = std::make_unique<Parts>(device, std::move(sources), sky, weather, scene, timings_);
   set_time(parse_utc(scene.time));
-  parts_->pose = resolve_camera(scene.camera, parts_->terrain.heights());
-  warn_if_lifted(parts_->pose);
+  set_camera(scene.camera);
   timings_.startup_ms = ms_since(start);
 }
 
@@ -144,6 +143,8 @@ void Renderer::advance_atmosphere() {
 void Renderer::set_camera(const CameraParams& camera) {
   scene_.camera = camera;
   parts_->pose = resolve_camera(camera, parts_->terrain.heights());
+  if (!parts_->told_of_lift) warn_if_lifted(parts_->pose);
+  parts_->told_of_lift |= parts_->pose.lifted_from_m.has_value();
 }
 
 void Renderer::prefetch(const CameraParams& camera) {

@@ -62,6 +62,7 @@ struct Renderer::Parts {
   FrameLight light;
   double time_s = 0.0;
   CameraPose pose;
+  bool told_of_lift = false;  ///< one warning for all pictures
 };
 
 /// The sky views of a frame, one per light; none high up.

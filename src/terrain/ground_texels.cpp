@@ -101,10 +101,10 @@ Grid sample_grid(const HeightSampler& heights, const ImagerySampler* imagery, co
     heights.heights_m(lat_deg, lon_deg, level, height_m.data());
     for (size_t p = 0; p < count; ++p) grid.height_m[first * columns + p] = static_cast<float>(height_m[p]);
     if (!imagery) return;
-    std::vector<float> land(count), ice(count), srgb(count * 4);
+    std::vector<float> land(count), shown(count), srgb(count * 4);
     heights.land_field_m(lat_deg, lon_deg, spacing_deg / kCoastDetail, land.data());
-    imagery->ice(lat_deg, lon_deg, spacing_deg, ice.data());
-    for (size_t p = 0; p < count; ++p) land[p] = std::max(land[p], ice[p]);
+    imagery->over_water(lat_deg, lon_deg, spacing_deg, shown.data());
+    for (size_t p = 0; p < count; ++p) land[p] = std::max(land[p], shown[p]);
     if (std::any_of(land.begin(), land.end(), [](float f) { return f > 0.0f; }))
       imagery->colours(lat_deg, lon_deg, spacing_deg, srgb.data());
     for (size_t p = 0; p < count; ++p) {

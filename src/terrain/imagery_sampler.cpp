@@ -36,6 +36,12 @@ float ice_field(const float* rgb, double lat_deg) {
   return std::min(low - darkest, kMostSaturation * high - (high - low));
 }
 
+float shore_field(const float* rgb) {
+  // Deep sea in Landsat's colours is about 10 20 60, with noise of some levels; shoals on a bank 60 150 190.
+  constexpr float kBrightest = 85.0f, kNoise = 4.0f;
+  return std::max(std::max({rgb[0], rgb[1], rgb[2]}) - kBrightest, 2.0f * (std::max(rgb[0], rgb[1]) - rgb[2] - kNoise));
+}
+
 RasterCoverage lay_over(const BlockCache& raster, uint32_t reduction, std::span<const double> lat_deg,
                         std::span<const double> lon_deg, float* rgbx) {
   const RasterAxis x = columns_at(raster, reduction, lon_deg), y = rows_at(raster, reduction, lat_deg);
@@ -189,7 +195,10 @@ ImagerySampler::ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, con
         spread_land(block, land_of(info, ground, block, reduction, bx, by), info.bands);
       };
     }
+    const LonLatBounds b = raster->info().bounds;
     layers_.push_back(std::make_unique<BlockCache>(std::move(raster), caches, std::move(filter)));
+    if (4.0 * layers_.back()->pixel_deg() < ground.finest_pixel_deg({b.west_deg, b.south_deg, b.east_deg, b.north_deg}))
+      fine_.push_back(layers_.back().get());
   }
 }
 
@@ -207,18 +216,27 @@ void ImagerySampler::colours(std::span<const double> lat_deg, std::span<const do
   lay_all(nullptr, lat_deg, lon_deg, spacing_deg, rgbx);
 }
 
-void ImagerySampler::ice(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
-                         float* out) const {
+void ImagerySampler::over_water(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
+                                float* out) const {
   constexpr float kSurelyNone = -256.0f;
-  const size_t columns = lon_deg.size();
-  std::fill_n(out, lat_deg.size() * columns, kSurelyNone);
-  const auto may_be = [](double lat) { return std::abs(lat) > kLeastIceLatitude_deg; };
-  if (layers_.empty() || std::none_of(lat_deg.begin(), lat_deg.end(), may_be)) return;
-  std::vector<float> rgbx(lat_deg.size() * columns * 4, 0.0f);  // nothing is not ice, however bright bare ground is
-  lay_all(bottom_as_it_is_.get(), lat_deg, lon_deg, spacing_deg, rgbx.data());
-  for (size_t j = 0; j < lat_deg.size(); ++j)
-    for (size_t i = 0; i < columns && may_be(lat_deg[j]); ++i)
-      out[j * columns + i] = ice_field(&rgbx[(j * columns + i) * 4], lat_deg[j]);
+  const size_t columns = lon_deg.size(), count = lat_deg.size() * columns;
+  std::fill_n(out, count, kSurelyNone);
+  std::vector<float> rgbx;
+  const auto may_be_ice = [](double lat) { return std::abs(lat) > kLeastIceLatitude_deg; };
+  if (!layers_.empty() && std::any_of(lat_deg.begin(), lat_deg.end(), may_be_ice)) {
+    rgbx.assign(count * 4, 0.0f);  // nothing is not ice, however bright bare ground is
+    lay_all(bottom_as_it_is_.get(), lat_deg, lon_deg, spacing_deg, rgbx.data());
+    for (size_t j = 0; j < lat_deg.size(); ++j)
+      for (size_t i = 0; i < columns && may_be_ice(lat_deg[j]); ++i)
+        out[j * columns + i] = ice_field(&rgbx[(j * columns + i) * 4], lat_deg[j]);
+  }
+  for (const BlockCache* layer : fine_) {
+    // So dark that every place which the picture does not cover wholly stays darker than any picture.
+    rgbx.assign(count * 4, -1e5f);
+    lay_over(*layer, layer->reduction_for(spacing_deg), lat_deg, lon_deg, rgbx.data());
+    for (size_t p = 0; p < count; ++p)
+      if (rgbx[4 * p] > -1.0f) out[p] = std::max(out[p], shore_field(&rgbx[4 * p]));
+  }
 }
 
 double ImagerySampler::finest_pixel_deg(const TileBounds& tile) const {

@@ -22,6 +22,9 @@ RasterCoverage lay_over(const BlockCache& raster, uint32_t reduction, std::span<
 /// hardly coloured, and lies beyond 45 degrees of latitude: nearer to the equator what is white over the sea are
 /// clouds.
 float ice_field(const float* rgb, double lat_deg);
+/// How surely a colour (sRGB, 0..255) is of land, shoals or clouds and not of deep water: positive where it is bright,
+/// or less blue than red or green; continuous.
+float shore_field(const float* rgb);
 /// Nearer to the equator than this there is no ice on water, degrees.
 inline constexpr double kLeastIceLatitude_deg = 45.0;
 
@@ -39,8 +42,11 @@ class ImagerySampler {
 
   /// sRGB colours, 0..255, four floats a place (the fourth is unused), row by row.
   void colours(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg, float* rgbx) const;
-  /// ice_field() of the pictures as they are; the least there is where nothing can be ice.
-  void ice(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg, float* out) const;
+  /// Where pictures say more of water than elevation does: positive where they show something else, m or levels of
+  /// sRGB, continuous. Ice, by ice_field() of the pictures as they are; and, in pictures four times finer than any
+  /// elevation there, whatever is not deep water by shore_field(). Far below 0 where there is nothing to say.
+  void over_water(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
+                  float* out) const;
   /// Pixel size in degrees of the finest raster that overlaps a tile; infinity without any.
   double finest_pixel_deg(const TileBounds& tile) const;
   uint64_t blocks_read() const;
@@ -52,6 +58,7 @@ class ImagerySampler {
                double spacing_deg, float* rgbx) const;
   std::vector<std::unique_ptr<BlockCache>> layers_;
   std::unique_ptr<BlockCache> bottom_as_it_is_;  // where the bottom layer is painted over; null otherwise
+  std::vector<const BlockCache*> fine_;          // layers that know coasts better than elevation does
   float bare_srgb_;
 };
 

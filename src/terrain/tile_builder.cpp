@@ -150,11 +150,10 @@ void TileBuilder::make_imagery(const TileId& tile, TileData& out) const {
   const double texel = texel_deg(tile.level, n);
   std::vector<float> land(n * n);
   ground_.land_field_m(g.lat, g.lon, texel, land.data());
-  if (std::max(std::abs(g.lat.front()), std::abs(g.lat.back())) > kLeastIceLatitude_deg &&
-      std::any_of(land.begin(), land.end(), [](float f) { return f <= 0.0f; })) {
-    std::vector<float> ice(land.size());
-    imagery_.ice(g.lat, g.lon, texel, ice.data());
-    for (size_t p = 0; p < land.size(); ++p) land[p] = std::max(land[p], ice[p]);
+  if (std::any_of(land.begin(), land.end(), [](float f) { return f <= 0.0f; })) {
+    std::vector<float> shown(land.size());
+    imagery_.over_water(g.lat, g.lon, texel, shown.data());
+    for (size_t p = 0; p < land.size(); ++p) land[p] = std::max(land[p], shown[p]);
   }
   std::vector<uint8_t> rgba(size_t{n} * n * 4, 0);
   const bool any_land = std::any_of(land.begin(), land.end(), [](float f) { return f > 0.0f; });

@@ -29,3 +29,14 @@ TEST_CASE("albedo curve: offset 0 and scale 1 change nothing; black becomes the 
   const float s = albedo_curve(0.02f, 0.82f)[0] / 255.0f;
   CHECK(std::pow((s + 0.055f) / 1.055f, 2.4f) == doctest::Approx(0.02).epsilon(1e-3));
 }
+
+TEST_CASE("albedo curve: gamma lightens the middle tones before the scale, and albedo ends at 1") {
+  const auto lighter = albedo_curve(0.0f, 1.0f, 2.0f), darker = albedo_curve(0.0f, 1.0f, 0.5f);
+  CHECK(lighter[0] == 0.0f);
+  CHECK(lighter[255] == doctest::Approx(255.0));
+  CHECK(lighter[64] == doctest::Approx(255.0 * std::sqrt(64.0 / 255.0)).epsilon(1e-4));
+  CHECK(darker[128] == doctest::Approx(128.0 * 128.0 / 255.0).epsilon(1e-4));
+  // Half the albedo of white is sRGB 0.7354 (IEC 61966-2-1: 1.055 * 0.5^(1/2.4) - 0.055).
+  CHECK(albedo_curve(0.0f, 0.5f)[255] == doctest::Approx(255.0 * 0.735357).epsilon(1e-4));
+  CHECK(albedo_curve(0.0f, 3.0f)[255] == doctest::Approx(255.0));
+}

@@ -175,7 +175,9 @@ TEST_CASE("CRLF, blank lines, quotes, spaces, a byte order mark and a missing la
 
 TEST_CASE("a header without rows gives a header, for every kind") {
   CHECK(probe("geodetic_ecef", "lat_deg,lon_deg,height_m\n") == "lat_deg,lon_deg,height_m,x_m,y_m,z_m\n");
-  const std::map<std::string, std::string> clouds{
+  const std::map<std::string, std::string> headers{
+      {"terrain", "lat_deg,lon_deg,height_m,height_msl_m,slope_deg,source\n"},
+      {"pick", "x_px,y_px,lat_deg,lon_deg,height_m,distance_m,hit\n"},
       {"weather",
        "lat_deg,lon_deg,coverage_r,coverage_g,coverage_b,coverage_a,type,base_offset_m,density_factor,precipitation\n"},
       {"density", "lat_deg,lon_deg,height_m,density_r,density_g,density_b,density_a,extinction_per_m\n"},
@@ -183,13 +185,32 @@ TEST_CASE("a header without rows gives a header, for every kind") {
        "lat_deg,lon_deg,optical_depth_r,optical_depth_g,optical_depth_b,optical_depth_a,optical_depth,base_m,top_m\n"}};
   for (const std::string& kind : probe_kind_names()) {
     CAPTURE(kind);
-    if (clouds.count(kind) > 0) {
-      CHECK(probe(kind, "height_m,lon_deg,lat_deg\n") == clouds.at(kind));
+    if (headers.count(kind) > 0) {
+      CHECK(probe(kind, "height_m,lon_deg,lat_deg,y_px,x_px\n") == headers.at(kind));
       continue;
     }
     const std::string text = oracle_text(kind == "slab" ? "slab_dev" : kind);
     CHECK(rows_of(probe(kind, text.substr(0, text.find('\n') + 1))).empty());
   }
+}
+
+TEST_CASE("terrain without rasters is the ellipsoid; a place outside the picture cannot be picked") {
+  const auto rows = rows_of(probe("terrain", "lat_deg,lon_deg\n35,139\n-90,0\n"));
+  for (const auto& row : rows) {
+    CHECK(std::abs(std::stod(row.at("height_m"))) < 1e-3);  // at the pole the mesh is coarse
+    CHECK(std::stod(row.at("slope_deg")) < 0.1);
+    CHECK(row.at("source") == "ellipsoid");
+  }
+  std::istringstream in("x_px,y_px\n1,1\n641,0\n");
+  std::ostringstream out;
+  try {
+    run_probe("pick", in, out);
+    FAIL("no error");
+  } catch (const Error& e) {
+    CHECK(e.kind() == ErrorKind::input);
+    CHECK(std::string(e.what()).find("line 3, column 'x_px': 641 is outside the picture, 0..640") != std::string::npos);
+  }
+  CHECK(out.str().empty());
 }
 
 TEST_CASE("optional inputs may be absent or blank; half a group is an error") {

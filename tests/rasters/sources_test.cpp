@@ -94,6 +94,26 @@ TEST_CASE("folders: rasters of several coordinate systems are put together in lo
   CHECK(values_at(*raster, 11.5, 46.5).empty());
 }
 
+TEST_CASE("folders: parts far from each other cost what the parts cost") {
+  const TempFolder folder;
+  fs::create_directories(folder / "dem");
+  for (const double lon : {-150.0, 150.0})
+    make_raster(folder / ("dem/" + std::to_string(lon) + ".tif"), square(lon, 60, 500, 1200));
+  const auto raster = elevation((folder / "dem").string());
+  CHECK(raster->info().width == 301 * 1200);
+  // At 8 x 8 pixels this is 36 times 1200 rows of 10,000 pixels; only the ends are read.
+  int with_data = 0;
+  for (uint32_t bx = 0; bx < 177; ++bx) {
+    const Result<RasterBlock> block = raster->read_block(3, bx, 0);
+    REQUIRE(static_cast<bool>(block));
+    CHECK(block->values.size() == block->valid.size());
+    if (std::ranges::count(block->valid, 1) == 0) continue;
+    ++with_data;
+    CHECK(*std::ranges::max_element(block->values) == 500.0f);
+  }
+  CHECK(with_data == 3);  // the east one lies on two blocks: columns 360,000.. are 175.8.. times 2,048
+}
+
 TEST_CASE("folders: pictures leave gaps open, and a reduction of the mosaic averages what there is") {
   const TempFolder folder;
   fs::create_directories(folder / "pics");

@@ -259,16 +259,16 @@ TEST_CASE("a source that hangs is given up, and others are not held up by it") {
     if (bx == 1) changed.wait(lock, [&] { return release; });
     return true;
   };
-  const BlockCache cache(raster, impatient(0.2));
+  const BlockCache cache(raster, impatient(1.0));
   CHECK(cache.block(0, 0, 0)->all_valid);
   const auto other = std::make_shared<PlaneRaster>(1024, 1024);
-  const BlockCache healthy(other, impatient(0.2));
+  const BlockCache healthy(other, impatient(30.0));
   std::thread waits([&] { CHECK(no_data(*cache.block(0, 1, 0))); });
   CHECK(healthy.block(0, 0, 0)->all_valid);
   waits.join();
   CHECK(calls_left_behind());
   CHECK(cache.stats().given_up);
-  CHECK(cache.stats().failure == "hangs: does not answer within 0.2 s");
+  CHECK(cache.stats().failure == "hangs: does not answer within 1 s");
   const uint64_t reads = raster->reads;
   CHECK(no_data(*cache.block(0, 2, 2)));
   CHECK(cache.block(0, 0, 0)->all_valid);  // what was read is still there
@@ -285,11 +285,11 @@ TEST_CASE("a read that computes for longer than the timeout is waited for") {
   const auto raster = std::make_shared<PlaneRaster>(256, 256);
   raster->before = [](uint32_t, uint32_t, uint32_t, uint64_t) {
     const auto start = std::chrono::steady_clock::now();
-    while (std::chrono::steady_clock::now() - start < std::chrono::milliseconds(1200)) {
+    while (std::chrono::steady_clock::now() - start < std::chrono::milliseconds(2500)) {
     }
     return true;
   };
-  const BlockCache cache(raster, impatient(0.4));
+  const BlockCache cache(raster, impatient(1.0));
   CHECK(cache.block(0, 0, 0)->all_valid);
   CHECK_FALSE(cache.stats().given_up);
 }
@@ -297,22 +297,22 @@ TEST_CASE("a read that computes for longer than the timeout is waited for") {
 TEST_CASE("a source with nothing but slow errors is given up when they took longer than the timeout") {
   const auto raster = std::make_shared<PlaneRaster>(256 * 64, 256);
   raster->before = [](uint32_t, uint32_t, uint32_t, uint64_t) {
-    sleep_s(0.03);
+    sleep_s(0.05);
     return false;
   };
-  const BlockCache cache(raster, impatient(0.3));
+  const BlockCache cache(raster, impatient(1.0));
   for (uint32_t i = 0; i < 64; ++i) CHECK(no_data(*cache.block(0, i, 0)));
   CHECK(cache.stats().given_up);
-  CHECK(raster->reads < 20);
+  CHECK(raster->reads < 40);
 }
 
 TEST_CASE("a source of errors now and then is not given up") {
   const auto raster = std::make_shared<PlaneRaster>(256 * 24, 256);
   raster->before = [](uint32_t, uint32_t bx, uint32_t, uint64_t) {
-    sleep_s(0.02);
+    sleep_s(0.05);
     return bx % 2 == 1;
   };
-  const BlockCache cache(raster, impatient(0.4));
+  const BlockCache cache(raster, impatient(1.5));
   for (uint32_t i = 0; i < 24; ++i) CHECK(no_data(*cache.block(0, i, 0)) == (i % 2 == 0));
   CHECK_FALSE(cache.stats().given_up);  // although all its errors together took longer than that
 }

@@ -156,7 +156,7 @@ TEST_CASE("land near the coast takes its colour from land, not from the sea in t
   std::vector<float> values;
   for (int y = 0; y < 180; ++y)
     for (int x = 0; x < 360; ++x)
-      for (int b = 0; b < 4; ++b) values.push_back(y < 90 ? 200.0f : 10.0f);
+      for (int b = 0; b < 4; ++b) values.push_back(b == 3 ? 255.0f : y < 90 ? 200.0f : 10.0f);
   const HeightSampler ground({land}, true, nullptr);
   const ImagerySampler imagery({std::make_shared<ArrayRaster>(info, values)}, ground);
   const double lat[] = {0.01}, lon[] = {7.3};
@@ -172,6 +172,7 @@ TEST_CASE("imagery without data shows what lies below, and grey of albedo 0.2 be
   info.bands = 4;
   info.bounds = {0.0, 0.0, 8.0, 8.0};
   std::vector<float> values(8 * 8 * 4, 77.0f);
+  for (size_t i = 3; i < values.size(); i += 4) values[i] = 255.0f;
   const HeightSampler ground({}, false, nullptr);
   const ImagerySampler imagery({std::make_shared<ArrayRaster>(info, values)}, ground);
   const double lat[] = {4.0, 20.0}, lon[] = {4.0};
@@ -179,4 +180,58 @@ TEST_CASE("imagery without data shows what lies below, and grey of albedo 0.2 be
   imagery.colours(lat, lon, 0.01, rgbx);
   CHECK(rgbx[1] == 77.0f);
   CHECK(rgbx[4] == doctest::Approx(255.0 * (1.055 * std::pow(0.2, 1.0 / 2.4) - 0.055)));  // sRGB of albedo 0.2
+}
+
+namespace {
+/// A raster with another opacity than its own.
+class Faded final : public Raster {
+ public:
+  Faded(std::shared_ptr<Raster> raster, double opacity) : raster_(std::move(raster)), info_(raster_->info()) {
+    info_.opacity = opacity;
+  }
+  const RasterInfo& info() const override { return info_; }
+  uint32_t reductions() const override { return raster_->reductions(); }
+  Result<RasterBlock> read_block(uint32_t k, uint32_t bx, uint32_t by) const override {
+    return raster_->read_block(k, bx, by);
+  }
+
+ private:
+  std::shared_ptr<Raster> raster_;
+  RasterInfo info_;
+};
+
+/// A picture of one colour and alpha, on the square 0..16 degrees.
+std::shared_ptr<Raster> picture(std::vector<float> rgba) {
+  RasterInfo info;
+  info.path = "test";
+  info.width = info.height = 16;
+  info.bands = 4;
+  info.bounds = {0.0, 0.0, 16.0, 16.0};
+  std::vector<float> values;
+  for (int i = 0; i < 256; ++i) values.insert(values.end(), rgba.begin(), rgba.end());
+  return std::make_shared<ArrayRaster>(info, std::move(values));
+}
+}  // namespace
+
+TEST_CASE("an elevation raster counts by its opacity, the rest is what lies below") {
+  const auto below = raster_of(360, 180, {}, [](double, double) { return 100.0; });
+  const auto above = raster_of(16, 16, {0.0, 0.0, 16.0, 16.0}, [](double, double) { return 300.0; });
+  for (const double opacity : {0.0, 0.25, 1.0}) {
+    const HeightSampler s({below, std::make_shared<Faded>(above, opacity)}, false, nullptr);
+    CHECK(height_deg(s, 4.5, 4.5) == doctest::Approx(100.0 + opacity * 200.0));
+    CHECK(height_deg(s, 4.5, 20.5) == 100.0);
+    CHECK(height_deg(s, 4.5, 16.0) == doctest::Approx(100.0 + 0.5 * opacity * 200.0));  // the seam
+  }
+}
+
+TEST_CASE("a picture counts by its alpha") {
+  const HeightSampler ground({}, false, nullptr);
+  const ImagerySampler sampler({picture({200, 100, 0, 255}), picture({0, 0, 100, 51})}, ground, 0.2);
+  const double lat[] = {8.0}, lon[] = {8.0, 40.0};
+  std::vector<float> rgbx(8);
+  sampler.colours(lat, lon, 0.1, rgbx.data());
+  CHECK(rgbx[0] == doctest::Approx(160.0));  // 0.8 of the lower, 0.2 of the upper one
+  CHECK(rgbx[1] == doctest::Approx(80.0));
+  CHECK(rgbx[2] == doctest::Approx(20.0));
+  CHECK(rgbx[4] == rgbx[5]);  // bare ground
 }

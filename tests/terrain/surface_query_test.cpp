@@ -220,7 +220,7 @@ TEST_CASE("ice: bright and colourless pictures over cold seas are ice; clouds ov
       ground);
   const double lats[] = {80.0, 71.0, 68.0, 50.0}, lons[] = {10.0};
   float found[4];
-  imagery.ice(lats, lons, 0.1, found);
+  imagery.over_water(lats, lons, 0.1, found);
   CHECK(found[0] > 0.0f);
   CHECK(found[2] <= 0.0f);
   CHECK(found[3] <= 0.0f);
@@ -228,4 +228,26 @@ TEST_CASE("ice: bright and colourless pictures over cold seas are ice; clouds ov
   imagery.colours(lats, lons, 0.1, rgbx);
   CHECK(rgbx[0] == 250.0f);  // ice keeps its colour
   CHECK(rgbx[8] > 240.0f);   // the sea beside it got the land's
+}
+
+TEST_CASE("a picture much finer than elevation shows what it has over the sea, but for deep water") {
+  const float sea[] = {10, 20, 60}, noise[] = {4, 8, 6}, bank[] = {60, 150, 190}, cloud[] = {220, 220, 225},
+              forest[] = {25, 45, 20};
+  CHECK(shore_field(sea) <= 0.0f);
+  CHECK(shore_field(noise) <= 0.0f);
+  for (const float* shown : {bank, cloud, forest}) CHECK(shore_field(shown) > 0.0f);
+  const auto world = raster_of(720, 360, {}, [](double, double) { return -50.0; });
+  const HeightSampler ground({world}, true, nullptr);
+  const auto island = [](double lat, double lon) {
+    return std::hypot(lat, lon) < 0.5 ? glm::vec3(25, 45, 20) : glm::vec3(10, 20, 60);
+  };
+  const double lats[] = {0.0}, lons[] = {0.0, 0.7, 5.0};
+  float found[3];
+  ImagerySampler({picture_of(200, 200, {-1, -1, 1, 1}, island)}, ground).over_water(lats, lons, 0.01, found);
+  CHECK(found[0] > 0.0f);
+  CHECK(found[1] <= 0.0f);
+  CHECK(found[2] <= 0.0f);
+  // One that is hardly finer than the elevation's half degrees says nothing.
+  ImagerySampler({picture_of(10, 10, {-1, -1, 1, 1}, island)}, ground).over_water(lats, lons, 0.01, found);
+  CHECK(found[0] <= 0.0f);
 }
