@@ -51,6 +51,8 @@ Scene clear_noon() {
   scene.camera.fov_deg = 45.0;
   scene.render.quality = "medium";
   scene.render.frames = 1;
+  // `auto` takes another method above 30 km: a step of 0.4 of 255 levels (docs/light.md).
+  scene.shafts.method = "shadow-length";
   return scene;
 }
 
