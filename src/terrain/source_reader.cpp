@@ -22,10 +22,19 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// A raster that is not closed any more once some call has been left behind: closing it might wait for a lock that the
+/// call holds. The program is about to end then.
+std::shared_ptr<Raster> closed_only_if_safe(std::shared_ptr<Raster> raster) {
+  Raster* const plain = raster.get();
+  return {plain, [raster = std::move(raster)](Raster*) mutable {
+            if (calls_left_behind()) (void)new std::shared_ptr<Raster>(std::move(raster));
+          }};
+}
+
 }  // namespace
 
 SourceReader::SourceReader(std::shared_ptr<Raster> raster, double timeout_s)
-    : raster_(std::move(raster)), info_(raster_->info()), caller_(timeout_s) {}
+    : raster_(closed_only_if_safe(std::move(raster))), info_(raster_->info()), caller_(timeout_s) {}
 
 std::shared_ptr<SourceReader> SourceReader::of(std::shared_ptr<Raster> raster, double timeout_s) {
   if (auto reader = std::dynamic_pointer_cast<SourceReader>(raster)) return reader;
