@@ -69,6 +69,19 @@ bool overlaps(const LonLatBounds& b, const TileBounds& t) {
   return false;
 }
 
+/// Voids of up to some 2^this pixels across are filled by their rim.
+constexpr uint32_t kVoidReductions = 6;
+
+bool has_longitude(const LonLatBounds& b, double lon_deg) {
+  return b.west_deg + std::fmod(lon_deg - b.west_deg + 720.0, 360.0) <= b.east_deg;
+}
+
+/// Whether any place of a grid lies on a raster.
+bool overlaps_grid(const LonLatBounds& b, std::span<const double> lat_deg, std::span<const double> lon_deg) {
+  return std::any_of(lat_deg.begin(), lat_deg.end(), [&](double v) { return v >= b.south_deg && v <= b.north_deg; }) &&
+         std::any_of(lon_deg.begin(), lon_deg.end(), [&](double v) { return has_longitude(b, v); });
+}
+
 }  // namespace
 
 double canonical_lon_deg(double lon_deg) {
@@ -121,8 +134,55 @@ double HeightSampler::undulation_m(double lat_deg, double lon_deg) const {
   return geoid_ ? geoid_->undulation_m(rad_from_deg(lat_deg), rad_from_deg(lon_deg)) : 0.0;
 }
 
+void HeightSampler::fill_voids(size_t layer, std::span<const double> lat_deg, std::span<const double> lon_deg,
+                               const double* undulation, uint32_t reduction, const std::vector<float>& weight,
+                               Field& below) const {
+  const BlockCache& raster = *layers_[layer];
+  if (raster.info().opacity < 1.0) return;
+  // The outer half pixel fades out everywhere: that is no void.
+  const double half_px = 0.5 * std::ldexp(raster.pixel_deg(), static_cast<int>(reduction));
+  LonLatBounds bounds = raster.info().bounds;
+  bounds.south_deg += half_px;
+  bounds.north_deg -= half_px;
+  if (!raster.info().wraps) {
+    bounds.west_deg += half_px;
+    bounds.east_deg -= half_px;
+  }
+  if (bounds.west_deg >= bounds.east_deg || bounds.south_deg >= bounds.north_deg) return;
+  const size_t columns = lon_deg.size();
+  std::vector<size_t> voids;
+  for (size_t j = 0; j < lat_deg.size(); ++j) {
+    if (lat_deg[j] < bounds.south_deg || lat_deg[j] > bounds.north_deg) continue;
+    for (size_t i = 0; i < columns; ++i)
+      // Not the sea that a raster leaves out: its bed would rise to the height of the shore.
+      if (weight[j * columns + i] < 1.0f && has_longitude(bounds, lon_deg[i]) &&
+          !(has_default_ && below.default_msl[j * columns + i] <= 0.0))
+        voids.push_back(j * columns + i);
+  }
+  if (voids.empty()) return;
+  // How far the raster is above what lies below it, from the nearest of its coarser pixels that have data: what each
+  // leaves open the next one fills, and the last one's rest is 0.
+  std::vector<double> lift(voids.size(), 0.0), value;
+  std::vector<float> open(voids.size(), 1.0f), share;
+  Field coarse;
+  for (uint32_t k = reduction + 1; k <= reduction + kVoidReductions; ++k) {
+    if (std::min(raster.width_at(k), raster.height_at(k)) < 2) break;
+    if (!sample_layer(raster, lat_deg, lon_deg, k, value, share)) continue;
+    sample_stack(lat_deg, lon_deg, std::ldexp(raster.pixel_deg(), static_cast<int>(k)), undulation, coarse, layer);
+    const bool ellipsoidal = raster.info().vertical == VerticalDatum::ellipsoid;
+    for (size_t n = 0; n < voids.size(); ++n) {
+      const size_t at = voids[n];
+      const float w = open[n] * share[at];
+      const double v = ellipsoidal && undulation ? value[at] - undulation[at] : value[at];
+      lift[n] += static_cast<double>(w) * (v - coarse.stack_msl[at]);
+      open[n] -= w;
+    }
+  }
+  for (size_t n = 0; n < voids.size(); ++n) below.stack_msl[voids[n]] += lift[n];
+}
+
 void HeightSampler::sample_stack(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
-                                 const double* undulation, Field& out) const {
+                                 const double* undulation, Field& out, size_t layers) const {
   const size_t count = lat_deg.size() * lon_deg.size();
   out.stack_msl.assign(count, 0.0);
   out.stack_weight.assign(count, 0.0f);
@@ -131,11 +191,17 @@ void HeightSampler::sample_stack(std::span<const double> lat_deg, std::span<cons
   out.default_msl.clear();
   std::vector<double> value;
   std::vector<float> weight;
-  for (size_t l = 0; l < layers_.size(); ++l) {
+  for (size_t l = 0; l < std::min(layers, layers_.size()); ++l) {
     const BlockCache& raster = *layers_[l];
     const bool is_default = l == 0 && has_default_;
     if (is_default) out.default_msl.assign(count, -std::numeric_limits<double>::infinity());
-    if (!sample_layer(raster, lat_deg, lon_deg, raster.reduction_for(spacing_deg), value, weight)) continue;
+    const uint32_t reduction = raster.reduction_for(spacing_deg);
+    if (!sample_layer(raster, lat_deg, lon_deg, reduction, value, weight)) {
+      if (is_default || !overlaps_grid(raster.info().bounds, lat_deg, lon_deg)) continue;
+      value.assign(count, 0.0);  // nothing but a void
+      weight.assign(count, 0.0f);
+    }
+    if (!is_default) fill_voids(l, lat_deg, lon_deg, undulation, reduction, weight, out);
     const bool ellipsoidal = raster.info().vertical == VerticalDatum::ellipsoid;
     for (size_t i = 0; i < count; ++i) {
       if (weight[i] <= 0.0f) continue;

@@ -92,8 +92,12 @@ class HeightSampler {
     std::vector<double> default_msl;  // has_default only
     std::vector<float> stack_weight;  // share of the place that any raster covers
   };
+  /// The rasters below `layers`, or all.
   void sample_stack(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
-                    const double* undulation_m, Field& out) const;
+                    const double* undulation_m, Field& out, size_t layers = SIZE_MAX) const;
+  /// Lifts what lies below a raster's voids by as much as the raster is above it around them.
+  void fill_voids(size_t layer, std::span<const double> lat_deg, std::span<const double> lon_deg,
+                  const double* undulation_m, uint32_t reduction, const std::vector<float>& weight, Field& below) const;
   std::vector<double> undulations_m(std::span<const double> lat_deg, std::span<const double> lon_deg) const;
   bool is_sea(const Field& field, size_t place) const;
   void find_range();

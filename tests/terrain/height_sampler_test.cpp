@@ -44,19 +44,54 @@ TEST_CASE("coarse levels see the mean of the pixels between their vertices") {
   CHECK(height_deg(s, 0.4, 0.46875) == doctest::Approx(200.5));
 }
 
-TEST_CASE("nodata and the outside of a raster show what lies below, blended within a pixel") {
+TEST_CASE("the outside of a raster shows what lies below, blended within a pixel; a hole has the height of its rim") {
   const auto below = raster_of(360, 180, {}, [](double, double) { return 100.0; });
   const auto above = raster_of(16, 16, {0.0, 0.0, 16.0, 16.0}, [](double lat, double lon) {
     return lat > 8.0 && lat < 9.0 && lon > 8.0 && lon < 9.0 ? kNan : 300.0;
   });
   const HeightSampler s({below, above}, false, nullptr);
   CHECK(height_deg(s, 4.5, 4.5) == 300.0);
-  CHECK(height_deg(s, 8.5, 8.5) == 100.0);
-  CHECK(height_deg(s, 8.5, 9.0) == doctest::Approx(200.0));
+  CHECK(height_deg(s, 8.5, 8.5) == doctest::Approx(300.0));
+  CHECK(height_deg(s, 8.5, 9.0) == doctest::Approx(300.0));
   CHECK(height_deg(s, 4.5, 16.0) == doctest::Approx(200.0));
   CHECK(height_deg(s, 4.5, 17.0) == 100.0);
   CHECK(height_deg(s, 4.5, -1.0) == 100.0);
   CHECK(height_deg(s, 4.5, 0.0) == doctest::Approx(200.0));
+}
+
+TEST_CASE("voids keep the shapes of what lies below, lifted to their rim; large ones sink back to it") {
+  // Below: hills, all 700 m too low. Above: the truth, with a hole of 6 x 6 pixels and one of 306 x 306.
+  const auto hills = [](double lat, double lon) { return 1000.0 + 40.0 * std::sin(9.0 * lat) * std::cos(8.0 * lon); };
+  const auto below =
+      raster_of(720, 720, {0.0, 0.0, 8.0, 8.0}, [&](double lat, double lon) { return hills(lat, lon) - 700.0; });
+  const auto holes = [](double lat, double lon) {
+    return (std::abs(lat - 1.0) < 1.0 / 30 && std::abs(lon - 1.0) < 1.0 / 30) ||
+           (std::abs(lat - 5.0) < 1.7 && std::abs(lon - 5.0) < 1.7);
+  };
+  const auto above = raster_of(720, 720, {0.0, 0.0, 8.0, 8.0},
+                               [&](double lat, double lon) { return holes(lat, lon) ? kNan : hills(lat, lon); });
+  const HeightSampler s({below, above}, false, nullptr);
+  double worst = 0.0, step = 0.0, before = height_deg(s, 0.9, 1.003);
+  for (double lat = 0.9; lat < 1.1; lat += 0.0007) {
+    const double h = height_deg(s, lat, 1.003);
+    worst = std::max(worst, std::abs(h - hills(lat, 1.003)));
+    step = std::max(step, std::abs(h - before));
+    before = h;
+  }
+  CHECK(worst < 35.0);  // 5 % of the 700 m that it would be off
+  CHECK(step < 10.0);
+  CHECK(height_deg(s, 5.0, 5.0) < hills(5.0, 5.0) - 600.0);
+  CHECK(height_deg(s, 5.0, 3.4) > hills(5.0, 3.4) - 200.0);
+}
+
+TEST_CASE("the sea that a raster leaves out stays sea") {
+  const auto world = raster_of(360, 180, {}, [](double, double lon) { return lon < 8.0 ? -60.0 : 20.0; });
+  const auto shore =
+      raster_of(160, 160, {0.0, 0.0, 16.0, 16.0}, [](double, double lon) { return lon < 8.0 ? kNan : 5.0; });
+  const HeightSampler s({world, shore}, true, nullptr);
+  CHECK(height_deg(s, 8.0, 4.0) == 0.0);
+  CHECK(height_deg(s, 8.0, 7.0) == 0.0);
+  CHECK(height_deg(s, 8.0, 9.0) == doctest::Approx(5.0));
 }
 
 TEST_CASE("sea is where the default data and the raster above it are both at or below 0") {

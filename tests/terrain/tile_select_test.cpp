@@ -117,7 +117,7 @@ TEST_CASE("as the camera comes nearer the drawn ground moves by a fraction of a 
     for (int k = 0; k < 20; ++k) {
       // Places on the ground that stay in the picture: the height where the vertical through them meets the surface,
       // found by the ray from the camera through their place on the ellipsoid.
-      const double angle = 2.4 * k, away_m = 250.0 * std::sqrt(k + 1.0);
+      const double angle = 2.4 * k, away_m = 60.0 * std::sqrt(k + 1.0);
       const Geodetic place = Geodetic::from_degrees(10.0 + away_m * std::sin(angle) / 111e3,
                                                     11.0 + away_m * std::cos(angle) / 111e3, 500.0);
       const dvec3 up = geodetic_up_ecef(place.lat_rad, place.lon_rad);
