@@ -1,14 +1,14 @@
 // From 40,000 km to 2 m above the rim of Fuji's crater in steps of 1 %: no step shows more change than those around it.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
+#include <cstdlib>
 #include <fstream>
 #include <glm/geometric.hpp>
 
 #include "rasters/default_earth.h"
 #include "rasters/gdal_opener.h"
 #include "render/reference_scene.h"
-#include "terrain/surface_query.h"
+#include "render/shared_data.h"
 
 namespace nepho {
 namespace {
@@ -19,18 +19,14 @@ constexpr double kFarthest_m = 40e6;
 constexpr double kStep = 0.99;
 constexpr Extent2D kExtent{128, 72};
 
-std::string shared_data() {
-  const char* given = std::getenv("NEPHO_SHARED");
-  return std::string(given ? given : "../shared") + "/data/dem/mt_fuji_90m.tif";
-}
-
 TerrainSources fuji(bool& complete) {
   const auto opener = make_gdal_opener();
   const DefaultEarth files = find_default_earth();
   TerrainSources sources;
-  complete = !files.elevation.empty() && !files.imagery.empty() && std::filesystem::exists(shared_data());
+  const std::string dem = shared_data("dem/mt_fuji_90m.tif");
+  complete = !files.elevation.empty() && !files.imagery.empty() && !dem.empty();
   if (!complete) return sources;
-  sources.elevation = {opener->open_elevation(files.elevation), opener->open_elevation(shared_data())};
+  sources.elevation = {opener->open_elevation(files.elevation), opener->open_elevation(dem)};
   sources.has_default = true;
   sources.imagery = {opener->open_imagery(files.imagery)};
   sources.geoid = std::make_shared<Geoid>(Geoid::find_egm96());
@@ -134,7 +130,7 @@ void check_continuous(int first, int last) {
   bool complete = false;
   TerrainSources sources = fuji(complete);
   if (!complete) {
-    MESSAGE("the default Earth or " << shared_data() << " is not here: the zoom is not tested");
+    MESSAGE("the default Earth or the DEM of Fuji is not here: the zoom is not tested");
     return;
   }
   GpuFixture gpu;
