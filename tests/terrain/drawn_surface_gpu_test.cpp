@@ -12,6 +12,7 @@
 #include "render/shared_data.h"
 #include "terrain/ground_picker.h"
 #include "terrain/surface_query.h"
+#include "terrain_draw.h"
 #include "terrain_fixture.h"
 
 using namespace nepho;
@@ -28,16 +29,6 @@ struct Point {
   double error_m;  // that its level promises
 };
 
-std::vector<float> draw_depth(GpuFixture& gpu, Terrain& terrain, FrameInfo frame) {
-  terrain.prepare(frame);
-  FrameGraph graph;
-  frame.buffer = graph.constants("frame", frame.constants);
-  const Terrain::Outputs out = terrain.add(graph, frame);
-  graph.keep(out.depth_m);
-  gpu.executor.run(graph);
-  return gpu.executor.read<float>(out.depth_m);
-}
-
 /// 1,000 random pixels of views all around a place.
 std::vector<Point> points_around(GpuFixture& gpu, Terrain& terrain, double lat_deg, double lon_deg) {
   std::vector<Point> points;
@@ -51,7 +42,7 @@ std::vector<Point> points_around(GpuFixture& gpu, Terrain& terrain, double lat_d
   std::unordered_map<TileId, double> errors;
   for (int view = 0; view < 4; ++view) {
     const FrameInfo frame = frame_at(at, Attitude::from_degrees(45.0 + 90.0 * view, -40.0), 60.0, kExtent);
-    const std::vector<float> depth = draw_depth(gpu, terrain, frame);
+    const std::vector<float> depth = draw_terrain(gpu, terrain, frame).depth_m;
     const GroundPicker picker(terrain, frame);
     for (int i = 0; i < 250;) {
       const uint32_t x = random(kExtent.width), y = random(kExtent.height);

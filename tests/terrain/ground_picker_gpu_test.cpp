@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "gpu/gpu_fixture.h"
+#include "terrain_draw.h"
 #include "terrain_fixture.h"
 
 using namespace nepho;
@@ -15,16 +16,6 @@ using namespace nepho::test;
 namespace {
 
 constexpr Extent2D kExtent{112, 63};
-
-std::vector<float> draw_depth(GpuFixture& gpu, Terrain& terrain, FrameInfo frame) {
-  terrain.prepare(frame);
-  FrameGraph graph;
-  frame.buffer = graph.constants("frame", frame.constants);
-  const Terrain::Outputs out = terrain.add(graph, frame);
-  graph.keep(out.depth_m);
-  gpu.executor.run(graph);
-  return gpu.executor.read<float>(out.depth_m);
-}
 
 }  // namespace
 
@@ -51,7 +42,7 @@ TEST_CASE("gpu: a pick is where the pixel is drawn, within the depth buffer's fl
     const FrameInfo frame =
         frame_at(Geodetic::from_degrees(c.lat, c.lon, c.height), Attitude::from_degrees(c.heading, c.pitch), c.fov,
                  kExtent, glm::vec2(0.3f, -0.2f));
-    const std::vector<float> depth = draw_depth(gpu, terrain, frame);
+    const std::vector<float> depth = draw_terrain(gpu, terrain, frame).depth_m;
     const GroundPicker picker(terrain, frame);
     size_t ground = 0, wrong = 0, edges = 0;
     for (uint32_t y = 0; y < kExtent.height; ++y)

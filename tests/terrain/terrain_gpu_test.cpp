@@ -6,28 +6,13 @@
 #include <glm/gtc/packing.hpp>
 
 #include "gpu/gpu_fixture.h"
+#include "terrain_draw.h"
 #include "terrain_fixture.h"
 
 using namespace nepho;
 using namespace nepho::test;
 
 namespace {
-
-struct Drawn {
-  std::vector<float> depth_m;
-  std::vector<uint16_t> albedo, normal;  // halves, four a pixel
-};
-
-Drawn draw(GpuFixture& gpu, Terrain& terrain, FrameInfo frame) {
-  terrain.prepare(frame);
-  FrameGraph graph;
-  frame.buffer = graph.constants("frame", frame.constants);
-  const Terrain::Outputs out = terrain.add(graph, frame);
-  for (const ImageRef image : {out.depth_m, out.albedo, out.normal}) graph.keep(image);
-  gpu.executor.run(graph);
-  return {gpu.executor.read<float>(out.depth_m), gpu.executor.read<uint16_t>(out.albedo),
-          gpu.executor.read<uint16_t>(out.normal)};
-}
 
 constexpr Extent2D kExtent{320, 180};
 constexpr float kSky = 1.0e10f;
@@ -48,7 +33,7 @@ TEST_CASE("gpu: the plain ellipsoid is hit where the closed form says, from 2 m 
     const FrameInfo frame =
         frame_at(Geodetic::from_degrees(c.lat, c.lon, c.height), Attitude::from_degrees(c.heading, c.pitch), c.fov,
                  kExtent, glm::vec2(0.3f, -0.2f));
-    const Drawn drawn = draw(gpu, terrain, frame);
+    const DrawnTerrain drawn = draw_terrain(gpu, terrain, frame);
     const auto pixel = static_cast<double>(frame.constants.pixel_angle_rad);
     size_t hits = 0, holes = 0, wrong = 0;
     for (uint32_t y = 0; y < kExtent.height; ++y)
@@ -95,7 +80,7 @@ TEST_CASE("gpu: rough ground has no hole inside the silhouette") {
     CAPTURE(c.height);
     const FrameInfo frame = frame_at(Geodetic::from_degrees(c.lat, c.lon, c.height),
                                      Attitude::from_degrees(c.heading, c.pitch), c.fov, kExtent);
-    const Drawn drawn = draw(gpu, terrain, frame);
+    const DrawnTerrain drawn = draw_terrain(gpu, terrain, frame);
     size_t hits = 0, holes = 0;
     for (uint32_t y = 0; y < kExtent.height; ++y)
       for (uint32_t x = 0; x < kExtent.width; ++x) {
@@ -123,7 +108,7 @@ TEST_CASE("gpu: a cone is hit within its level's error, and its normals lean out
         doctest::Approx(3000.0 - 0.3 * kDegree * 0.05).epsilon(1e-3));
   const Geodetic at = Geodetic::from_degrees(-0.15, 0.0, 2000.0);
   const FrameInfo frame = frame_at(at, Attitude::from_degrees(0.0, 0.0), 45.0, {641, 361});
-  const Drawn drawn = draw(gpu, terrain, frame);
+  const DrawnTerrain drawn = draw_terrain(gpu, terrain, frame);
   size_t compared = 0;
   for (const uint32_t y : {100u, 180u, 240u})
     for (const uint32_t x : {200u, 320u, 400u}) {
@@ -164,7 +149,7 @@ TEST_CASE("gpu: the mask tells sea from land at the coast of the default data") 
   Terrain terrain(gpu.device, std::move(sources), {});
   const FrameInfo frame =
       frame_at(Geodetic::from_degrees(0.0, 0.0, 100e3), Attitude::from_degrees(0.0, -90.0), 45.0, kExtent);
-  const Drawn drawn = draw(gpu, terrain, frame);
+  const DrawnTerrain drawn = draw_terrain(gpu, terrain, frame);
   for (const uint32_t y : {10u, 90u, 170u}) {
     const auto mask = [&](uint32_t x) {
       return static_cast<double>(glm::unpackHalf1x16(drawn.albedo[(y * 320 + x) * 4 + 3]));
@@ -184,9 +169,9 @@ TEST_CASE("gpu: a second frame of the same view loads nothing and draws the same
   Terrain terrain(gpu.device, std::move(sources), {});
   const FrameInfo frame =
       frame_at(Geodetic::from_degrees(20.0, 30.0, 9e3), Attitude::from_degrees(0.0, -10.0), 45.0, kExtent);
-  const Drawn first = draw(gpu, terrain, frame);
+  const DrawnTerrain first = draw_terrain(gpu, terrain, frame);
   CHECK(terrain.stats().tiles_loaded > 10);
-  const Drawn second = draw(gpu, terrain, frame);
+  const DrawnTerrain second = draw_terrain(gpu, terrain, frame);
   CHECK(terrain.stats().tiles_loaded == 0);
   CHECK(first.depth_m == second.depth_m);
   CHECK(first.albedo == second.albedo);
@@ -196,7 +181,7 @@ TEST_CASE("gpu: a second frame of the same view loads nothing and draws the same
 TEST_CASE("gpu: a view of nothing but sky draws sky") {
   GpuFixture gpu;
   Terrain terrain(gpu.device, {}, {});
-  const Drawn drawn = draw(
+  const DrawnTerrain drawn = draw_terrain(
       gpu, terrain, frame_at(Geodetic::from_degrees(0.0, 0.0, 1e6), Attitude::from_degrees(0.0, 80.0), 45.0, kExtent));
   CHECK(std::all_of(drawn.depth_m.begin(), drawn.depth_m.end(), [](float d) { return d == kSky; }));
 }

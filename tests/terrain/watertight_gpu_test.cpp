@@ -9,6 +9,7 @@
 #include "gpu/gpu_fixture.h"
 #include "terrain/surface_query.h"
 #include "terrain/terrain.h"
+#include "terrain_draw.h"
 #include "terrain_fixture.h"
 
 using namespace nepho;
@@ -21,22 +22,6 @@ constexpr float kSky = 1.0e10f;
 bool full_test() {
   const char* full = std::getenv("NEPHO_TEST_FULL");
   return full && std::string(full) == "1";
-}
-
-struct Drawn {
-  std::vector<float> depth_m;
-  std::vector<uint16_t> albedo, normal;  // halves, four a pixel
-};
-
-Drawn draw(GpuFixture& gpu, Terrain& terrain, FrameInfo frame) {
-  terrain.prepare(frame);
-  FrameGraph graph;
-  frame.buffer = graph.constants("frame", frame.constants);
-  const Terrain::Outputs out = terrain.add(graph, frame);
-  for (const ImageRef image : {out.depth_m, out.albedo, out.normal}) graph.keep(image);
-  gpu.executor.run(graph);
-  return {gpu.executor.read<float>(out.depth_m), gpu.executor.read<uint16_t>(out.albedo),
-          gpu.executor.read<uint16_t>(out.normal)};
 }
 
 class Random {
@@ -120,7 +105,7 @@ TEST_CASE("gpu: watertight: no view of rough ground shows sky or a bad number in
     CAPTURE(v.at.height_m);
     CAPTURE(deg_from_rad(v.attitude.pitch_rad));
     const FrameInfo frame = frame_at(v.at, v.attitude, v.fov_deg, extent, glm::vec2(0.25f, -0.35f));
-    const Drawn drawn = draw(gpu, terrain, frame);
+    const DrawnTerrain drawn = draw_terrain(gpu, terrain, frame);
     size_t view_holes = 0, view_inside = 0;
     for (uint32_t y = 0; y < extent.height; ++y)
       for (uint32_t x = 0; x < extent.width; ++x) {
@@ -169,7 +154,7 @@ TEST_CASE("gpu: with elevation off the silhouette is the ellipsoid's to half a p
                  Attitude::from_degrees(random(0.0, 360.0), horizon_deg + random(-3.0, 3.0), random(-90.0, 90.0)),
                  random(5.0, 45.0), extent);
     CAPTURE(height_m);
-    const std::vector<float> depth = draw(gpu, terrain, frame).depth_m;
+    const std::vector<float> depth = draw_terrain(gpu, terrain, frame).depth_m;
     // Along every row: where the picture changes between ground and sky, the exact silhouette is found by bisection.
     const auto hits = [&](double x, double y) {
       return hit_ellipsoid(frame.camera_ecef_m, pixel_ray(frame, x, y)) > 0.0;
