@@ -1,4 +1,5 @@
 #include "scene/scene_json.h"
+#include "reading_fails.h"
 
 #include <doctest/doctest.h>
 
@@ -13,21 +14,10 @@
 #include "scene/scene_validate.h"
 
 using namespace nepho;
+using nepho::test::reading_fails;
 namespace fs = std::filesystem;
 
 namespace {
-
-/// The message of the input error that reading `text` as s.json ends with.
-std::string reading_fails(const std::string& text) {
-  try {
-    scene_from_json(text, "s.json");
-  } catch (const Error& e) {
-    CHECK(e.kind() == ErrorKind::input);
-    CHECK(std::string(e.what()).find('\n') == std::string::npos);
-    return e.what();
-  }
-  return "(no error)";
-}
 
 /// Gives every parameter another allowed value than its default, and every optional group a value.
 class Changer : public FieldVisitor {

@@ -6,23 +6,15 @@
 #include <fstream>
 
 #include "base/error.h"
+#include "reading_fails.h"
 #include "scene/scene_json.h"
 #include "scene/source_text.h"
 
 using namespace nepho;
+using nepho::test::reading_fails;
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string reading_fails(const std::string& text) {
-  try {
-    scene_from_json(text, "s.json");
-  } catch (const Error& e) {
-    CHECK(e.kind() == ErrorKind::input);
-    return e.what();
-  }
-  return "(no error)";
-}
 
 std::string usage_of(const std::string& text) {
   try {
