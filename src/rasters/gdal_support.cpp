@@ -16,11 +16,11 @@ namespace nepho {
 
 namespace {
 
-constexpr GIntBig kLeastCacheBytes = GIntBig{256} << 20;
-
-/// Sequential formats (JPEG, PNG) decode from the top for every row that has left the cache: it must hold a whole one.
-void grow_cache() {
-  if (GDALGetCacheMax64() < kLeastCacheBytes) GDALSetCacheMax64(kLeastCacheBytes);
+/// GDAL's own cache of blocks would take a twentieth of the machine's memory, beside the host budget. Sequential
+/// formats (JPEG, PNG) decode from the top for every row that has left it: it holds a picture of 8192 x 4096.
+void bound_cache() {
+  constexpr GIntBig kCacheBytes = 128 << 20;
+  if (!CPLGetConfigOption("GDAL_CACHEMAX", nullptr)) GDALSetCacheMax64(kCacheBytes);
 }
 
 void set_default(const char* name, const char* value) {
@@ -80,7 +80,7 @@ void init_gdal() {
     set_default("GTIFF_REPORT_COMPD_CS", "YES");  // else GeoTIFF 1.0 loses its vertical datum
     set_default("VRT_SHARED_SOURCE", "NO");       // openings of a VRT serve different threads
     GDALAllRegister();
-    grow_cache();
+    bound_cache();
   });
 }
 
