@@ -3,6 +3,7 @@
 #include <glm/gtc/packing.hpp>
 
 #include <chrono>
+#include <cmath>
 #include <cstring>
 
 #include "astro/sky_bodies.h"
@@ -19,7 +20,6 @@ using Clock = std::chrono::steady_clock;
 
 /// Time that a frame gives to tables of changed parameters, about.
 constexpr double kAtmosphereSlice_ms = 5.0;
-constexpr float kFroxelsBelow_m = 30e3f;  ///< cameras that light shafts by froxels of themselves
 
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -77,18 +77,6 @@ std::vector<shared::SkyView> sky_views_of(const shared::AtmosphereUniform& air, 
         make_sky_view(air, frame.planet, frame.camera_up, i == 0 ? frame.sun_dir : frame.moon_dir, i, count));
   return views;
 }
-
-namespace {
-
-/// References to what a frame leaves behind.
-struct FrameOutputs {
-  Terrain::Outputs terrain;
-  NightSky::Refs night_sky;
-  ImageRef background, radiance, cloud, cloud_info, shadow_layers, debug;
-  ExposurePasses::Outputs exposure;
-};
-
-}  // namespace
 
 std::vector<uint8_t> Renderer::debug_picture(Parts& parts, const std::string& view, ImageRef image, size_t pixels) {
   std::vector<uint8_t> rgb(3 * pixels);
@@ -160,6 +148,66 @@ CameraPose Renderer::pose() const { return parts_->pose; }
 
 const Terrain& Renderer::terrain() const { return parts_->terrain; }
 
+void Renderer::read_layers(FrameReadback& readback, const FrameOutputs& out) {
+  Parts& p = *parts_;
+  const size_t pixels = size_t{readback.extent.width} * readback.extent.height;
+  readback.depth_m = p.executor.read<float>(out.depth_m);
+  readback.albedo = floats_from_half(p.executor.read<uint16_t>(out.albedo));
+  readback.background = p.executor.read<float>(out.background);
+  if (p.clouds) {
+    readback.cloud = p.executor.read<float>(out.cloud);
+    readback.cloud_info = p.executor.read<float>(out.cloud_info);
+    readback.shadow = p.executor.read<float>(out.shadow_layers);
+    return;
+  }
+  readback.cloud.assign(4 * pixels, 0.0f);
+  readback.cloud_info.assign(4 * pixels, 0.0f);
+  readback.shadow.assign(2 * pixels, 1.0f);
+  if (out.sun_visibility) {
+    const std::vector<float> shares = p.executor.read<float>(out.sun_visibility);
+    for (size_t k = 0; k < pixels; ++k)
+      if (readback.depth_m[k] < 0.5f * shared::kFarDepth_m) readback.shadow[2 * k] = shares[k];
+  }
+  for (size_t k = 0; k < pixels; ++k) {
+    readback.cloud[4 * k + 3] = 1.0f;
+    readback.cloud_info[4 * k] = shared::kFarDepth_m;
+  }
+}
+
+void Renderer::read_display(RenderResult& result, const FrameOutputs& out) {
+  const std::vector<uint8_t> rgba = parts_->executor.read<uint8_t>(out.exposure.display);
+  result.display_rgb.resize(rgba.size() / 4 * 3);
+  for (size_t k = 0; k < rgba.size() / 4; ++k) std::memcpy(&result.display_rgb[3 * k], &rgba[4 * k], 3);
+  result.ev100 = static_cast<double>(parts_->executor.read<float>(out.exposure.state)[0]);
+}
+
+/// The picture of the frames' mean.
+void Renderer::show_mean(RenderResult& result, const FrameReadback& readback, double interval_s) {
+  FrameGraph tone;
+  const gpu::Image image = device_.create_image({.name = "mean", .extent = readback.extent, .format = Format::rgba32f});
+  const gpu::ImageUpload upload{&image, std::as_bytes(std::span(readback.radiance))};
+  device_.upload({&upload, 1});
+  FrameOutputs out;
+  out.exposure = parts_->exposure.add(tone, tone.import(image), scene_.render, interval_s);
+  out.keep(tone, {.display = true});
+  parts_->executor.run(tone);
+  read_display(result, out);
+}
+
+/// How much the march of the last frame did.
+void Renderer::count_work(const FrameOutputs& out, size_t pixels) {
+  timings_.steps_per_px = timings_.samples_per_px = 0.0;
+  if (!out.cloud_info) return;
+  const std::vector<float> info = parts_->executor.read<float>(out.cloud_info);
+  for (size_t k = 0; k < pixels; ++k) {
+    const double samples = std::floor(static_cast<double>(info[4 * k + 3]) / 1024.0);
+    timings_.samples_per_px += samples;
+    timings_.steps_per_px += static_cast<double>(info[4 * k + 3]) - 1024.0 * samples;
+  }
+  timings_.samples_per_px /= static_cast<double>(pixels);
+  timings_.steps_per_px /= static_cast<double>(pixels);
+}
+
 RenderResult Renderer::render(const RenderRequest& request) {
   if (parts_->reference) return render_reference(request);
   Parts& p = *parts_;
@@ -180,7 +228,9 @@ RenderResult Renderer::render(const RenderRequest& request) {
     frame.extent = extent;
     frame.camera_ecef_m = p.pose.ecef_m;
     frame.time_s = p.time_s;
-    frame.constants = make_frame_constants(p.pose, extent, p.light, p.time_s, i, scene_.render.seed, frame_jitter(i));
+    const uint32_t number = request.frame_number * frames + i;
+    frame.constants =
+        make_frame_constants(p.pose, extent, p.light, p.time_s, number, scene_.render.seed, frame_jitter(i));
     frame.constants.night_illuminance =
         shared::night_sky_illuminance(static_cast<float>(scene_.night_sky.airglow_cd_m2), scene_.night_sky.stars);
     frame.buffer = graph.constants("frame", frame.constants);
@@ -192,142 +242,23 @@ RenderResult Renderer::render(const RenderRequest& request) {
     timings_.terrain_ms += ms_since(start);
 
     start = Clock::now();
-    FrameOutputs out;
-    const std::vector<shared::SkyView> views = sky_views_of(p.atmosphere->uniform(), frame.constants);
-    const AtmosphereTables::Refs atmosphere = p.atmosphere->add(graph, views);
-    out.night_sky = p.night_sky.add(graph, frame, scene_.night_sky, p.sky);
-    out.terrain = p.terrain.add(graph, frame);
-    BackgroundPass::Inputs background{.terrain = out.terrain,
-                                      .atmosphere = atmosphere,
-                                      .night_sky = out.night_sky,
-                                      .has_sky_view = !views.empty(),
-                                      .night = NightSky::shows(frame.constants) || frame.constants.light_count > 1,
-                                      .sun_visibility = {},
-                                      .wind_mps = static_cast<float>(scene_.terrain.water_wind_mps)};
-    CloudDensityRefs density;
-    CloudShadowRefs shadow;
-    CloudLight::Refs light;
-    const bool terrain_shades =
-        scene_.terrain.shadows && p.terrain_shadow_map.update(p.terrain.heights(), frame, request.incomplete_ok);
-    const TerrainVolumeRefs terrain_air =
-        terrain_shades ? p.terrain_shadow_map.add_volume(graph, frame) : TerrainVolumeRefs{};
-    if (p.clouds) {
-      density = import_cloud_density(graph, frame, p.clouds->clouds);
-      p.clouds->ground.update(p.terrain.heights(), p.terrain.imagery(), p.clouds->light.region(frame));
-      const GroundMap::Refs ground = p.clouds->ground.import_into(graph);
-      light = p.clouds->light.add(graph, frame,
-                                  {.depth_m = out.terrain.depth_m,
-                                   .density = density,
-                                   .atmosphere = &atmosphere,
-                                   .terrain_shadow = terrain_air.shadow,
-                                   .terrain_map = terrain_air.map,
-                                   .ground = p.clouds->ground.map(),
-                                   .ground_albedo = ground.albedo,
-                                   .ground_height = ground.height_m});
-      background.cloud_light = light.ground;
-      shadow = p.clouds->shadow_maps.add(graph, frame, density);
-      background.sun_visibility = p.clouds->shadow.add(graph, frame, out.terrain, shadow);
-    }
-    const ShaftPass::Air air{
-        .atmosphere = atmosphere,
-        .uniform = &p.atmosphere->uniform(),
-        .shadow = shadow,
-        .terrain = terrain_air,
-        .terrain_top_m = terrain_shades ? p.terrain_shadow_map.shade_top_m(frame) : 0.0,
-        .cloud_top_m = p.clouds ? static_cast<double>(p.clouds->clouds.constants().hull_high_m) : 0.0,
-        .ground_m = p.terrain.ground_height_m(p.pose.at.lat_rad, p.pose.at.lon_rad),
-        .ground_albedo = scene_.atmosphere.ground_albedo};
-    background.shafts = p.shafts.add_constants(graph, frame, scene_.shafts, scene_.haze, air);
-    background.haze_layers = static_cast<uint32_t>(drawn_haze(scene_.haze).size());
-    if (terrain_shades)
-      background.sun_visibility = p.terrain_shadow.add(
-          graph, frame, out.terrain, p.terrain_shadow_map.import_into(graph), background.sun_visibility);
-    out.background = p.background.add(graph, frame, scene_.atmosphere, background);
-    CloudMarchPass::Outputs marched;
-    if (p.clouds) {
-      marched = p.clouds->march.add(
-          graph, frame, {.depth_m = out.terrain.depth_m, .atmosphere = atmosphere, .density = density, .light = light});
-      out.cloud_info = marched.info;
-    }
-    ShaftMethod method = shaft_method(scene_.shafts, scene_.render.quality);
-    // A frustum grid's cells are too long for the limb.
-    if (scene_.shafts.method == "auto" && method == ShaftMethod::froxel &&
-        frame.constants.planet.camera_height_m > kFroxelsBelow_m)
-      method = ShaftMethod::shadow_length;
-    const FroxelRefs froxels = method == ShaftMethod::froxel
-                                   ? p.shafts.add_froxels(graph, frame, scene_.shafts, scene_.haze, method, air, false)
-                                   : FroxelRefs{};
-    const ShaftPass::Outputs aired = p.shafts.add(graph, frame, scene_.shafts, scene_.haze, method, air,
-                                                  {.depth_m = out.terrain.depth_m,
-                                                   .background = out.background,
-                                                   .cloud = marched.radiance,
-                                                   .cloud_near = marched.near,
-                                                   .cloud_depths = marched.depths,
-                                                   .froxels = froxels});
-    out.background = out.radiance = aired.background;
-    out.cloud = aired.cloud;
-    if (p.clouds) {
-      out.radiance = p.composite.add(graph, frame, out.background, out.cloud);
-      if (!request.debug.empty() && i == 0) {
-        out.debug = p.clouds->debug.add(graph, frame, request.debug, out.terrain.depth_m, density, marched, shadow);
-        graph.keep(out.debug);
-      }
-    }
     const bool last = i + 1 == frames;
+    const bool layers = request.layers && i == 0;
     const bool debug = !request.debug.empty();  // a picture of the first frame's insides
-    if (request.display && frames == 1 && !debug) {
-      out.exposure = p.exposure.add(graph, out.radiance, scene_.render, request.frame_interval_s);
-      graph.keep(out.exposure.display);
-      graph.keep(out.exposure.state);
-    }
-    graph.keep(out.radiance);
-    if (request.layers && i == 0) {
-      graph.keep(out.terrain.depth_m);
-      graph.keep(out.terrain.albedo);
-      graph.keep(out.background);
-      if (p.clouds) {
-        graph.keep(out.cloud);
-        graph.keep(out.cloud_info);
-        out.shadow_layers = p.clouds->shadow.add_layers(graph, frame,
-                                                        {.depth_m = out.terrain.depth_m,
-                                                         .visibility = background.sun_visibility,
-                                                         .cloud_radiance = out.cloud,
-                                                         .cloud_info = out.cloud_info},
-                                                        shadow);
-        graph.keep(out.shadow_layers);
-      } else if (background.sun_visibility) {
-        graph.keep(background.sun_visibility);
-      }
-    }
+    const FrameOutputs out = p.add_frame(graph, frame, scene_,
+                                         {.display = request.display && frames == 1 && !debug,
+                                          .layers = layers,
+                                          .work = request.count_work && last,
+                                          .incomplete_ground = request.incomplete_ok,
+                                          .debug = i == 0 ? request.debug : "",
+                                          .interval_s = request.frame_interval_s});
     p.executor.run(graph);
     timings_.frame_ms += ms_since(start);
     timings_.passes = p.executor.timings();
 
     start = Clock::now();
     if (request.layers || frames > 1) readback.radiance = p.executor.read<float>(out.radiance);
-    if (request.layers && i == 0) {
-      readback.depth_m = p.executor.read<float>(out.terrain.depth_m);
-      readback.albedo = floats_from_half(p.executor.read<uint16_t>(out.terrain.albedo));
-      readback.background = p.executor.read<float>(out.background);
-      if (p.clouds) {
-        readback.cloud = p.executor.read<float>(out.cloud);
-        readback.cloud_info = p.executor.read<float>(out.cloud_info);
-        readback.shadow = p.executor.read<float>(out.shadow_layers);
-      } else {
-        readback.cloud.assign(4 * pixels, 0.0f);
-        readback.cloud_info.assign(4 * pixels, 0.0f);
-        readback.shadow.assign(2 * pixels, 1.0f);
-        if (background.sun_visibility) {
-          const std::vector<float> shares = p.executor.read<float>(background.sun_visibility);
-          for (size_t k = 0; k < pixels; ++k)
-            if (readback.depth_m[k] < 0.5f * shared::kFarDepth_m) readback.shadow[2 * k] = shares[k];
-        }
-        for (size_t k = 0; k < pixels; ++k) {
-          readback.cloud[4 * k + 3] = 1.0f;
-          readback.cloud_info[4 * k] = shared::kFarDepth_m;
-        }
-      }
-    }
+    if (layers) read_layers(readback, out);
     if (frames > 1) {
       // The mean of the frames' radiance; the other layers are those of frame 0, through the pixel centres.
       if (sum.empty()) sum.assign(readback.radiance.size(), 0.0);
@@ -335,22 +266,13 @@ RenderResult Renderer::render(const RenderRequest& request) {
       if (last)
         for (size_t k = 0; k < sum.size(); ++k) readback.radiance[k] = static_cast<float>(sum[k] / frames);
     }
+    if (last && request.count_work) count_work(out, pixels);
     if (debug && i == 0) result.display_rgb = debug_picture(p, request.debug, out.debug, pixels);
-    if (last && request.display && !debug) {
-      if (frames > 1) {
-        FrameGraph tone;
-        const gpu::Image image = device_.create_image({.name = "mean", .extent = extent, .format = Format::rgba32f});
-        const gpu::ImageUpload upload{&image, std::as_bytes(std::span(readback.radiance))};
-        device_.upload({&upload, 1});
-        out.exposure = p.exposure.add(tone, tone.import(image), scene_.render, request.frame_interval_s);
-        tone.keep(out.exposure.display);
-        tone.keep(out.exposure.state);
-        p.executor.run(tone);
-      }
-      const std::vector<uint8_t> rgba = p.executor.read<uint8_t>(out.exposure.display);
-      result.display_rgb.resize(3 * pixels);
-      for (size_t k = 0; k < pixels; ++k) std::memcpy(&result.display_rgb[3 * k], &rgba[4 * k], 3);
-      result.ev100 = static_cast<double>(p.executor.read<float>(out.exposure.state)[0]);
+    if (last && request.display && !debug && request.read_back) {
+      if (frames > 1)
+        show_mean(result, readback, request.frame_interval_s);
+      else
+        read_display(result, out);
     }
     timings_.readback_ms += ms_since(start);
   }

@@ -18,6 +18,9 @@
 
 namespace nepho {
 
+struct FrameOutputs;
+struct FrameReadback;
+
 /// Wall-clock and GPU times of a render, ms.
 struct RenderTimings {
   double startup_ms = 0.0;     ///< making the renderer: pipelines, tables, noise, weather
@@ -29,6 +32,7 @@ struct RenderTimings {
   double readback_ms = 0.0;             ///< downloads and output layers
   std::vector<gpu::PassTiming> passes;  ///< of the last frame
   uint64_t gpu_memory_bytes = 0;
+  double steps_per_px = 0.0, samples_per_px = 0.0;  ///< of the clouds' march, with RenderRequest::count_work
   ReferenceCounts reference;  ///< of quality reference
 };
 
@@ -47,6 +51,10 @@ struct RenderRequest {
   std::string debug = {};        ///< a name of known_debug_views() instead of the picture; empty: the picture
   /// Scene time since the last picture, s, for the adaptation of automatic exposure; 0: a still, which does not adapt.
   double frame_interval_s = 0.0;
+  /// Its place in a sequence drawn by one renderer, 0 first: seeds noise.
+  uint32_t frame_number = 0;
+  bool read_back = true;    ///< false: the 8-bit picture is made but not brought to the CPU; for benchmarks
+  bool count_work = false;  ///< fill RenderTimings::steps_per_px and samples_per_px
   /// Quality reference: called between dispatches; false ends the picture where it is.
   std::function<bool(const ReferenceProgress&)> on_progress = {};
   /// Quality reference: goes on from this picture's paths (its layers R, G, B, variance, samples and cloud). Null: from
@@ -97,6 +105,10 @@ class Renderer {
  private:
   void advance_atmosphere();
   RenderResult render_reference(const RenderRequest& request);
+  void read_layers(FrameReadback& readback, const FrameOutputs& out);
+  void read_display(RenderResult& result, const FrameOutputs& out);
+  void show_mean(RenderResult& result, const FrameReadback& readback, double interval_s);
+  void count_work(const FrameOutputs& out, size_t pixels);
   struct Parts;
   static std::vector<uint8_t> debug_picture(Parts& parts, const std::string& view, ImageRef image, size_t pixels);
   Scene scene_;

@@ -1,5 +1,5 @@
 #pragma once
-// What a renderer is made of; for renderer.cpp and renderer_reference.cpp.
+// What a renderer is made of; for renderer*.cpp and frame_passes.cpp.
 #include <memory>
 
 #include "atmosphere/atmosphere_tables.h"
@@ -21,9 +21,29 @@
 
 namespace nepho {
 
+/// What of a frame is wanted.
+struct FrameNeeds {
+  bool display = false;            ///< the 8-bit picture
+  bool layers = false;             ///< all that make_output_layers() takes
+  bool work = false;               ///< how many steps the clouds' march took
+  bool incomplete_ground = false;  ///< RenderRequest::incomplete_ok
+  std::string debug = {};          ///< RenderRequest::debug
+  double interval_s = 0.0;         ///< RenderRequest::frame_interval_s
+};
+
+/// References to what a frame leaves behind; empty where it has none.
+struct FrameOutputs {
+  ImageRef depth_m, albedo, sun_visibility, background, radiance, cloud, cloud_info, shadow_layers, debug;
+  ExposurePasses::Outputs exposure;
+  /// Keeps what `needs` asks for, for reading back.
+  void keep(FrameGraph& graph, const FrameNeeds& needs) const;
+};
+
 struct Renderer::Parts {
   Parts(gpu::Device& device, TerrainSources sources, const SkySources& sky_sources, const WeatherSources& weather,
         const Scene& scene, RenderTimings& timings);
+  /// Declares the passes of one frame.
+  FrameOutputs add_frame(FrameGraph& graph, const FrameInfo& frame, const Scene& scene, const FrameNeeds& needs);
 
   /// Absent under a clear sky, which then costs nothing.
   struct CloudParts {
