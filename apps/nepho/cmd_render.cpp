@@ -54,8 +54,6 @@ void RenderCommand::add_to(CLI::App& command, const Program& program) {
   command.add_option("--timings", timings_, "times of start-up and every pass, as JSON")->type_name("FILE.json");
   command.add_option("--save-scene", save_scene_, "the scene as drawn, with all options in it")->type_name("FILE.json");
   command.add_option("--device", device_, kDeviceHelp)->type_name("NAME");
-  command.add_option("--upscale", upscale_, "16, 4, 2 or 1: pixels per marched pixel of clouds (only 1 so far)")
-      ->type_name("U");
   command
       .add_option("--debug", debug_,
                   fmt::format("a view of the renderer's insides in false colours, instead of the picture: {}",
@@ -72,10 +70,6 @@ void RenderCommand::add_to(CLI::App& command, const Program& program) {
 RenderOutputs RenderCommand::outputs(const Program& program) const {
   if (!debug_.empty() && !contains(program.debug_views, debug_))
     throw fail(ErrorKind::usage, "--debug: {}", no_choice(debug_, program.debug_views));
-  if (upscale_ == "16" || upscale_ == "4" || upscale_ == "2")
-    throw fail(ErrorKind::usage, "--upscale {}: not supported yet; only 1 is", upscale_);
-  if (!upscale_.empty() && upscale_ != "1")
-    throw fail(ErrorKind::usage, "--upscale: '{}' is not one of 16, 4, 2, 1", upscale_);
   if (images_.empty() && save_scene_.empty())
     throw fail(ErrorKind::usage, "no output: give -o OUT.png, -o OUT.exr or --save-scene FILE.json");
   RenderOutputs outputs;

@@ -17,7 +17,7 @@ class RenderCommand {
 
   SceneOptions scene_;
   std::vector<std::string> images_;
-  std::string aov_, timings_, save_scene_, resume_, device_, debug_, upscale_;
+  std::string aov_, timings_, save_scene_, resume_, device_, debug_;
   bool validation_ = false, strict_ = false, incomplete_ok_ = false;
 };
 

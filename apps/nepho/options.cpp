@@ -31,6 +31,7 @@ constexpr Flag kFlags[] = {
     {"--fov", "DEG", "camera.fov_deg"},
     {"--time", "ISO8601", "time"},
     {"--quality", "NAME", "render.quality"},
+    {"--upscale", "U", "render.upscale"},
     {"--coverage", "SHARE", "clouds.coverage"},
     {"--shafts", "NAME", "shafts.method"},
     {"--weather-seed", "N", "clouds.weather.seed"},
@@ -101,6 +102,8 @@ std::vector<double> parse_position(const std::string& flag, const std::string& t
   return numbers;
 }
 
+}  // namespace
+
 void set_size(RenderParams& render, const std::string& text) {
   const std::vector<std::string> parts = split(text, text.find('X') == std::string::npos ? 'x' : 'X');
   if (parts.size() != 2) throw fail(ErrorKind::usage, "--size: '{}' is not WxH, such as 640x360", text);
@@ -110,8 +113,6 @@ void set_size(RenderParams& render, const std::string& text) {
   render.width = sized.render.width;
   render.height = sized.render.height;
 }
-
-}  // namespace
 
 CLI::Option* add_repeated(CLI::App& command, const std::string& flags, std::vector<std::string>& values,
                           const std::string& placeholder, const std::string& help) {

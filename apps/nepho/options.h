@@ -42,6 +42,9 @@ inline constexpr const char* kDeviceHelp = "Vulkan device: its number or a part 
 CLI::Option* add_repeated(CLI::App& command, const std::string& flags, std::vector<std::string>& values,
                           const std::string& placeholder, const std::string& help);
 
+/// Sets width and height from "640x360". Throws Error(usage) naming --size.
+void set_size(RenderParams& render, const std::string& text);
+
 /// Throws Error(input) unless every file that the scene names and that is a path of this machine exists.
 void require_inputs(const Scene& scene);
 

@@ -5,6 +5,7 @@
 #include <ostream>
 
 #include "base/error.h"
+#include "nepho/cmd_bench.h"
 #include "nepho/cmd_compare.h"
 #include "nepho/cmd_render.h"
 #include "nepho/options.h"
@@ -16,7 +17,6 @@ namespace {
 
 constexpr std::pair<const char*, const char*> kLater[] = {
     {"tour", "a sequence of pictures or a movie along a path"},
-    {"bench", "GPU time of every pass"},
     {"map", "georeferenced view from above"},
     {"view", "the viewer"},
 };
@@ -71,6 +71,10 @@ int run(const std::vector<std::string>& arguments, const Program& program) {
   CLI::App* const compare_app = app.add_subcommand("compare", "measure how far a picture is from a reference");
   compare.add_to(*compare_app);
 
+  BenchCommand bench;
+  CLI::App* const bench_app = app.add_subcommand("bench", "measure times and memory of scenes, pass by pass");
+  bench.add_to(*bench_app);
+
   std::string kind;
   SceneOptions probe_scene;
   std::string probe_device;
@@ -118,6 +122,8 @@ int run(const std::vector<std::string>& arguments, const Program& program) {
     render.run(program);
   } else if (*compare_app) {
     compare.run(program);
+  } else if (*bench_app) {
+    bench.run(program);
   } else if (*probe_app) {
     const ProbeOptions options{.scene = probe_scene.scene(),
                                .device = probe_device,

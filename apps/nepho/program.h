@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "nepho/bench.h"
 #include "nepho/compare_pictures.h"
 #include "nepho/probe.h"
 #include "nepho/render_scene.h"
@@ -14,6 +15,7 @@ namespace nepho {
 struct Program {
   std::function<void(const Scene&, const RenderOutputs&)> render;
   std::function<void(const CompareRequest&, std::ostream& out)> compare = {};
+  std::function<std::vector<BenchResult>(const BenchRequest&, std::ostream& out)> bench = {};
   std::function<int(const std::string& kind, std::istream&, std::ostream&, const ProbeOptions&)> probe;
   std::function<void(bool as_json, std::ostream&)> info;
   std::function<WeatherSources(const Scene&)> open_weather;  ///< for probes; empty: there are no rasters

@@ -5,6 +5,7 @@
 #include <iostream>
 
 #include "base/patient_caller.h"
+#include "nepho/bench.h"
 #include "nepho/cmd_info.h"
 #include "nepho/compare_pictures.h"
 #include "nepho/probe.h"
@@ -22,6 +23,7 @@ int run_main(int argc, char** argv, const RasterAccess& rasters) {
       {argv + 1, argv + argc},
       {.render = [&](const Scene& scene, const RenderOutputs& outputs) { render_scene(scene, outputs, rasters); },
        .compare = compare_pictures,
+       .bench = [&](const BenchRequest& request, std::ostream& out) { return run_bench(request, rasters, out); },
        .probe = run_probe,
        .info = [&](bool as_json, std::ostream& out) { print_info(as_json, out, rasters); },
        .open_weather = [&](const Scene& scene) { return open_weather(rasters, scene); },

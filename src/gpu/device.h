@@ -151,7 +151,14 @@ class Device {
   std::vector<std::string> take_validation_messages();
   bool validation_active() const { return validation_; }
   void wait_idle();
-  uint64_t memory_bytes() const { return memory_bytes_; }  ///< device memory in use now
+  /// Memory in use now, by what it is for.
+  struct MemoryUse {
+    uint64_t images = 0, buffers = 0;
+    uint64_t host_visible = 0;  ///< buffers that the CPU writes and reads
+    uint64_t total() const { return images + buffers + host_visible; }
+  };
+  const MemoryUse& memory_use() const { return memory_use_; }
+  uint64_t memory_bytes() const { return memory_use_.total(); }
 
   // For the module itself.
   VkDevice handle() const { return device_; }
@@ -177,6 +184,7 @@ class Device {
   friend class Image;
   friend class Buffer;
   VkDeviceMemory allocate(const VkMemoryRequirements& needs, bool host_visible, const std::string& name);
+  uint64_t& use_of(const Buffer& buffer) { return buffer.mapped_ ? memory_use_.host_visible : memory_use_.buffers; }
   VkCommandBuffer begin_commands();
   void end_commands_and_wait(VkCommandBuffer cmd);
   void release(Image& image);
@@ -200,7 +208,7 @@ class Device {
   DeviceInfo info_;
   bool validation_ = false;
   bool debug_utils_ = false;
-  uint64_t memory_bytes_ = 0;
+  MemoryUse memory_use_;
   std::mutex messages_mutex_;
   std::vector<std::string> messages_;
   PFN_vkSetDebugUtilsObjectNameEXT set_object_name_ = nullptr;

@@ -88,10 +88,7 @@ VkDeviceMemory Device::allocate(const VkMemoryRequirements& needs, bool host_vis
       info.memoryTypeIndex = i;
       VkDeviceMemory memory = VK_NULL_HANDLE;
       const VkResult result = vkAllocateMemory(device_, &info, nullptr, &memory);
-      if (result == VK_SUCCESS) {
-        memory_bytes_ += needs.size;
-        return memory;
-      }
+      if (result == VK_SUCCESS) return memory;
       throw fail(ErrorKind::failure, "{}: {} bytes of GPU memory are not to be had ({}); try a smaller --size", name,
                  needs.size, vk_result_name(result));
     }
@@ -133,6 +130,7 @@ Image Device::create_image(const ImageCreate& create) {
   vkGetImageMemoryRequirements(device_, image.handle_, &needs);
   image.memory_ = allocate(needs, false, create.name);
   image.size_bytes_ = needs.size;
+  memory_use_.images += needs.size;
   check(vkBindImageMemory(device_, image.handle_, image.memory_, 0), "vkBindImageMemory");
   set_name(VK_OBJECT_TYPE_IMAGE, reinterpret_cast<uint64_t>(image.handle_), create.name);
   return image;
@@ -156,6 +154,7 @@ Buffer Device::create_buffer(const BufferCreate& create) {
   check(vkBindBufferMemory(device_, buffer.handle_, buffer.memory_, 0), "vkBindBufferMemory");
   if (create.host_visible)
     check(vkMapMemory(device_, buffer.memory_, 0, VK_WHOLE_SIZE, 0, &buffer.mapped_), "vkMapMemory");
+  use_of(buffer) += needs.size;
   set_name(VK_OBJECT_TYPE_BUFFER, reinterpret_cast<uint64_t>(buffer.handle_), create.name);
   return buffer;
 }
@@ -163,7 +162,7 @@ Buffer Device::create_buffer(const BufferCreate& create) {
 void Device::release(Image& image) {
   VkMemoryRequirements needs;
   vkGetImageMemoryRequirements(device_, image.handle_, &needs);
-  memory_bytes_ -= std::min(memory_bytes_, needs.size);
+  memory_use_.images -= std::min(memory_use_.images, needs.size);
   for (const auto& [key, view] : image.views_) vkDestroyImageView(device_, view, nullptr);
   vkDestroyImage(device_, image.handle_, nullptr);
   vkFreeMemory(device_, image.memory_, nullptr);
@@ -172,7 +171,7 @@ void Device::release(Image& image) {
 void Device::release(Buffer& buffer) {
   VkMemoryRequirements needs;
   vkGetBufferMemoryRequirements(device_, buffer.handle_, &needs);
-  memory_bytes_ -= std::min(memory_bytes_, needs.size);
+  use_of(buffer) -= std::min(use_of(buffer), needs.size);
   vkDestroyBuffer(device_, buffer.handle_, nullptr);
   vkFreeMemory(device_, buffer.memory_, nullptr);
 }

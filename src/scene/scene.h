@@ -58,6 +58,7 @@ struct RenderParams {
   uint32_t width = 640;            ///< px, 1..16384
   uint32_t height = 360;           ///< px
   std::string quality = "medium";  ///< low, medium, high, ultra; reference: a path tracer (docs/reference.md)
+  uint32_t upscale = 1;            ///< pixels per marched pixel of clouds: 16, 4, 2, 1 (docs/performance.md)
   uint32_t frames = 1;             ///< frames accumulated, >= 1; of `reference` paths a pixel
   double noise = 0.0;          ///< reference: stop when 95 % of pixels have this relative standard error; 0: by frames
   double furnace_cd_m2 = 0.0;  ///< reference: > 0: this luminance from all sides, instead of air, sun and ground

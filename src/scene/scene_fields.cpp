@@ -164,6 +164,12 @@ void describe(FieldVisitor& v, RenderParams& p) {
           .doc = "preset of steps and sizes; higher is slower and finer; reference traces paths",
           .choices = {"low", "medium", "high", "ultra", "reference"}},
          &p.quality);
+  v.leaf({.name = "upscale",
+          .doc = "pixels per pixel whose clouds are marched in a frame of a sequence: 16, 4, 2 or 1; the others follow "
+                 "from frames before",
+          .range = closed(1, 16),
+          .term = "temporal upscaling"},
+         &p.upscale);
   v.leaf({.name = "frames",
           .doc = "frames that are accumulated into the picture; of quality reference paths a pixel",
           .range = closed(1, 16777216)},

@@ -131,6 +131,8 @@ void check_together(const Scene& scene, const Validator& validator) {
   check_zooms(scene.imagery.files, "imagery.files", validator);
   check_clouds(scene.clouds, validator);
   check_haze(scene.haze, validator);
+  if (const uint32_t u = scene.render.upscale; u != 1 && u != 2 && u != 4 && u != 16)
+    throw validator.wrong("render.upscale", fmt::format("{} is not one of 1, 2, 4, 16", u));
   if (scene.render.min_ev100 > scene.render.max_ev100)
     throw validator.wrong("render.min_ev100", fmt::format("{} is larger than max_ev100 {}", scene.render.min_ev100,
                                                           scene.render.max_ev100));

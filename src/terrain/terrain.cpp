@@ -13,6 +13,7 @@
 #include "terrain/terrain.frag.h"
 #include "terrain/terrain.vert.h"
 #include "terrain/terrain_classify.comp.h"
+#include "terrain/terrain_classify_group.comp.h"
 #include "terrain/terrain_resolve.comp.h"
 #include "terrain/terrain_shared.h"
 #include "terrain/terrain_view.h"
@@ -71,7 +72,11 @@ Terrain::Terrain(gpu::Device& device, TerrainSources sources, const TerrainParam
                                                      .vertex_spirv = terrain_vert,
                                                      .fragment_spirv = terrain_frag,
                                                      .color_formats = {Format::rg32u}});
-  classify_pipeline_ = gpu::ComputePipeline(device_, {.name = "terrain.classify", .spirv = terrain_classify_comp});
+  if (device_.info().is_software)
+    classify_pipeline_ = gpu::ComputePipeline(device_, {.name = "terrain.classify", .spirv = terrain_classify_comp});
+  else
+    classify_pipeline_ =
+        gpu::ComputePipeline(device_, {.name = "terrain.classify", .spirv = terrain_classify_group_comp});
   resolve_pipeline_ = gpu::ComputePipeline(device_, {.name = "terrain.resolve", .spirv = terrain_resolve_comp});
   topologies_ = make_topologies();
   indices_ =
@@ -227,7 +232,9 @@ Terrain::Outputs Terrain::add(FrameGraph& graph, const FrameInfo& frame) const {
       .record([this, extent = frame.extent](gpu::Commands& cmd) {
         // What sky tiles hold; the others get theirs from terrain.resolve.
         cmd.fill("depth_m", shared::kFarDepth_m).fill("albedo", 0.0f);
-        cmd.bind(classify_pipeline_).dispatch_threads(tiles_along(extent.width), tiles_along(extent.height));
+        const uint32_t threads = device_.info().is_software ? 1 : 8;  // along a tile
+        cmd.bind(classify_pipeline_)
+            .dispatch_threads(threads * tiles_along(extent.width), threads * tiles_along(extent.height));
       });
   graph.pass("terrain.resolve")
       .uniform("frame", frame.buffer)
