@@ -223,19 +223,24 @@ Terrain::Outputs Terrain::add(FrameGraph& graph, const FrameInfo& frame) const {
         cmd.bind(raster_pipeline_).push(push);
         for (const Draw& d : draws) cmd.draw_indexed(d.range.count, d.range.first, 1, d.tile);
       });
-  graph.pass("terrain.classify")
-      .sample("depth_tex", depth, Sampler::nearest_clamp)
+  auto classify = graph.pass("terrain.classify");
+  classify.sample("depth_tex", depth, Sampler::nearest_clamp)
       .read_write("surface_tiles", out.surface_tiles)
-      .read_write("sky_tiles", out.sky_tiles)
-      .fill("depth_m", out.depth_m)
-      .fill("albedo", out.albedo)
-      .record([this, extent = frame.extent](gpu::Commands& cmd) {
-        // What sky tiles hold; the others get theirs from terrain.resolve.
-        cmd.fill("depth_m", shared::kFarDepth_m).fill("albedo", 0.0f);
-        const uint32_t threads = device_.info().is_software ? 1 : 8;  // along a tile
-        cmd.bind(classify_pipeline_)
-            .dispatch_threads(threads * tiles_along(extent.width), threads * tiles_along(extent.height));
-      });
+      .read_write("sky_tiles", out.sky_tiles);
+  // What sky tiles hold; the others get theirs from terrain.resolve.
+  if (device_.info().is_software)
+    classify.fill("depth_m", out.depth_m)
+        .fill("albedo", out.albedo)
+        .record([this, extent = frame.extent](gpu::Commands& cmd) {
+          cmd.fill("depth_m", shared::kFarDepth_m).fill("albedo", 0.0f);
+          cmd.bind(classify_pipeline_).dispatch_threads(tiles_along(extent.width), tiles_along(extent.height));
+        });
+  else
+    classify.write("out_depth_m", out.depth_m)
+        .write("out_albedo", out.albedo)
+        .record([this, extent = frame.extent](gpu::Commands& cmd) {
+          cmd.bind(classify_pipeline_).dispatch_threads(8 * tiles_along(extent.width), 8 * tiles_along(extent.height));
+        });
   graph.pass("terrain.resolve")
       .uniform("frame", frame.buffer)
       .read("tiles", tile_buffer)
