@@ -311,14 +311,19 @@ namespace {
 
 /// Levels of half the resolution each that an overview of the source suits, neither finer than its pixels nor much
 /// coarser, so that far looks read no more than they show.
-std::vector<WarpPlan::Level> warp_levels(GDALDataset& source, int width, int height) {
+/// Those above 0 that are still finer than the source, or as fine, come from its own pixels.
+std::vector<WarpPlan::Level> warp_levels(GDALDataset& source, int width, int height, uint32_t finer_levels) {
   std::vector<WarpPlan::Level> levels = {{}};
   GDALRasterBand& band = *source.GetRasterBand(1);
   constexpr int kSmall = 256;  // px
   for (uint32_t k = 1; k < 31 && (std::max(width, height) >> (k - 1)) > kSmall; ++k) {
-    const double wanted = std::ldexp(1.0, static_cast<int>(k));
-    double best = 0.0;
     WarpPlan::Level level{.level = k};
+    if (k <= finer_levels) {
+      levels.push_back(level);
+      continue;
+    }
+    const double wanted = std::ldexp(1.0, static_cast<int>(k - finer_levels));
+    double best = 0.0;
     for (int i = 0; i < band.GetOverviewCount(); ++i) {
       GDALRasterBand* overview = band.GetOverview(i);
       if (!overview || overview->GetXSize() < 1) continue;
@@ -335,7 +340,7 @@ std::vector<WarpPlan::Level> warp_levels(GDALDataset& source, int width, int hei
 }  // namespace
 
 WarpPlan plan_warp(GDALDataset& source, const std::string& path, bool elevation, double alpha_max,
-                   const GdalMessages& messages, bool alpha_is_data) {
+                   const GdalMessages& messages, bool alpha_is_data, uint32_t finer_levels) {
   const bool assume_degrees = needs_assumed_degrees(source);
   const PixelToLonLat lon_lat_from_pixel(source, assume_degrees);
   const auto f = lon_lat_from_pixel ? footprint_of(source, lon_lat_from_pixel) : std::nullopt;
@@ -349,7 +354,11 @@ WarpPlan plan_warp(GDALDataset& source, const std::string& path, bool elevation,
   constexpr double kMostPixels = 8.0;
   const double source_pixels = double(source.GetRasterXSize()) * source.GetRasterYSize();
   const double wanted = (f->east - f->west) / f->lon_step * ((f->north - f->south) / f->lat_step);
-  const double coarser = std::max(1.0, std::sqrt(wanted / (kMostPixels * source_pixels + 1e6)));
+  const double limited = std::max(1.0, std::sqrt(wanted / (kMostPixels * source_pixels + 1e6)));
+  // Numbers of pixels are ints to GDAL.
+  while (finer_levels > 0 && std::ldexp((f->east - f->west) / f->lon_step, static_cast<int>(finer_levels)) > 0x1p30)
+    --finer_levels;
+  const double coarser = std::ldexp(limited, -static_cast<int>(finer_levels));
   // Rounding in the steps must not add a pixel, or, with overviews, a row of the coarsest level's.
   const auto pixels = [&](double extent, double step) {
     const double count = extent / (step * coarser);
@@ -357,7 +366,7 @@ WarpPlan plan_warp(GDALDataset& source, const std::string& path, bool elevation,
   };
   int width = pixels(f->east - f->west, f->lon_step), height = pixels(f->north - f->south, f->lat_step);
   WarpPlan plan;
-  plan.levels = warp_levels(source, width, height);
+  plan.levels = warp_levels(source, width, height, finer_levels);
   const uint32_t halvings = plan.levels.back().level;
   width = static_cast<int>(((static_cast<int64_t>(width) - 1) >> halvings) + 1) << halvings;
   height = static_cast<int>(((static_cast<int64_t>(height) - 1) >> halvings) + 1) << halvings;
@@ -387,11 +396,12 @@ WarpPlan plan_warp(GDALDataset& source, const std::string& path, bool elevation,
   plan.width = width;
   plan.height = height;
   plan.grid = grid_of({f->west, lon_step, 0.0, f->north, 0.0, -lat_step}, width, height);
+  plan.finer_levels = finer_levels;
   return plan;
 }
 
 GDALDatasetUniquePtr warp(GDALDataset& source, const WarpPlan& plan, const WarpPlan::Level& level,
-                          const std::string& path, const GdalMessages& messages, const std::string& file) {
+                          const std::string& path, const GdalMessages& messages) {
   CPLStringList args;
   for (const std::string& word : plan.args) args.AddString(word.c_str());
   const auto reduced = [&](int size) { return std::to_string(std::max(1, size >> level.level)); };
@@ -403,8 +413,7 @@ GDALDatasetUniquePtr warp(GDALDataset& source, const WarpPlan& plan, const WarpP
   GDALDatasetH handles[] = {GDALDataset::ToHandle(&source)};
   int misuse = FALSE;
   GDALDatasetUniquePtr warped;
-  if (options)
-    warped.reset(GDALDataset::FromHandle(GDALWarp(file.c_str(), nullptr, 1, handles, options.get(), &misuse)));
+  if (options) warped.reset(GDALDataset::FromHandle(GDALWarp("", nullptr, 1, handles, options.get(), &misuse)));
   if (!warped) throw fail(ErrorKind::input, "{}: cannot be warped to EPSG:4326{}", path, messages.in_brackets());
   return warped;
 }
