@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "terrain/raster_window.h"
 
@@ -230,20 +229,36 @@ void ImagerySampler::over_water(std::span<const double> lat_deg, std::span<const
       for (size_t i = 0; i < columns && may_be_ice(lat_deg[j]); ++i)
         out[j * columns + i] = ice_field(&rgbx[(j * columns + i) * 4], lat_deg[j]);
   }
+  // A dark shoal is as dark as the sea, give or take the noise of a pixel: what decides is the mean over some pixels,
+  // or what is far from doubtful.
+  constexpr double kMeanOver = 4.0;
+  constexpr float kDoubtful = 40.0f;
+  std::vector<float> mean;
   for (const BlockCache* layer : fine_) {
     // So dark that every place which the picture does not cover wholly stays darker than any picture.
     rgbx.assign(count * 4, -1e5f);
+    mean.assign(count * 4, -1e5f);
     lay_over(*layer, layer->reduction_for(spacing_deg), lat_deg, lon_deg, rgbx.data());
-    for (size_t p = 0; p < count; ++p)
-      if (rgbx[4 * p] > -1.0f) out[p] = std::max(out[p], shore_field(&rgbx[4 * p]));
+    const double coarse_deg = kMeanOver * std::max(spacing_deg, layer->pixel_deg() * layer->info().oversampling);
+    lay_over(*layer, layer->reduction_for(coarse_deg), lat_deg, lon_deg, mean.data());
+    for (size_t p = 0; p < count; ++p) {
+      if (rgbx[4 * p] <= -1.0f) continue;
+      const float own = shore_field(&rgbx[4 * p]);
+      out[p] = std::max({out[p], own - kDoubtful, mean[4 * p] > -1.0f ? shore_field(&mean[4 * p]) : own});
+    }
   }
 }
 
-double ImagerySampler::finest_pixel_deg(const TileBounds& tile) const {
-  double finest = std::numeric_limits<double>::infinity();
+std::optional<PixelLattice> ImagerySampler::finest_lattice(const TileBounds& tile) const {
+  const BlockCache* finest = nullptr;
   for (const auto& layer : layers_)
-    if (overlaps(layer->info().bounds, tile)) finest = std::min(finest, layer->pixel_deg());
-  return finest;
+    if (overlaps(layer->info().bounds, tile) && (!finest || layer->pixel_deg() <= finest->pixel_deg()))
+      finest = layer.get();
+  if (!finest) return std::nullopt;
+  const RasterInfo& info = finest->info();
+  return PixelLattice{info.bounds.west_deg, info.bounds.north_deg,
+                      (info.bounds.east_deg - info.bounds.west_deg) / info.width,
+                      (info.bounds.north_deg - info.bounds.south_deg) / info.height, info.oversampling};
 }
 
 std::vector<SourceStats> ImagerySampler::source_stats() const {

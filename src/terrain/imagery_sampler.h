@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "io/raster.h"
 #include "terrain/block_cache.h"
 #include "terrain/height_sampler.h"
+#include "terrain/imagery_grid.h"
 
 namespace nepho {
 
@@ -44,11 +46,12 @@ class ImagerySampler {
   void colours(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg, float* rgbx) const;
   /// Where pictures say more of water than elevation does: positive where they show something else, m or levels of
   /// sRGB, continuous. Ice, by ice_field() of the pictures as they are; and, in pictures four times finer than any
-  /// elevation there, whatever is not deep water by shore_field(). Far below 0 where there is nothing to say.
+  /// elevation there, whatever is not deep water by shore_field(): of the mean over four pixels a side, or by far. Far
+  /// below 0 where there is nothing to say.
   void over_water(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
                   float* out) const;
-  /// Pixel size in degrees of the finest raster that overlaps a tile; infinity without any.
-  double finest_pixel_deg(const TileBounds& tile) const;
+  /// The pixels of the finest raster that overlaps a tile; none without any.
+  std::optional<PixelLattice> finest_lattice(const TileBounds& tile) const;
   uint64_t blocks_read() const;
   /// What became of the blocks of every raster, bottom first.
   std::vector<SourceStats> source_stats() const;
