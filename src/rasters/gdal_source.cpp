@@ -10,6 +10,7 @@
 #include "base/log.h"
 #include "rasters/raster_folder.h"
 #include "rasters/tile_dataset.h"
+#include "rasters/tile_finder.h"
 
 namespace nepho {
 

@@ -7,6 +7,7 @@
 #include "rasters/dataset_handle.h"
 #include "rasters/height_colours.h"
 #include "rasters/tile_names.h"
+#include "rasters/warp_plan.h"
 
 namespace nepho {
 

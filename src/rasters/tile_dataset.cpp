@@ -9,6 +9,8 @@
 #include <memory>
 #include <vector>
 
+#include "rasters/tile_file.h"
+
 namespace nepho {
 
 namespace {

@@ -1,4 +1,5 @@
 #pragma once
+#include "rasters/gdal_support.h"
 #include "rasters/tile_names.h"
 
 namespace nepho {
