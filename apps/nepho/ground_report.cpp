@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "terrain/raster_window.h"
+
 namespace nepho {
 
 namespace {
@@ -13,13 +15,6 @@ std::vector<SourceStats> all_stats(const Terrain& terrain) {
   const std::vector<SourceStats> imagery = terrain.imagery().source_stats();
   all.insert(all.end(), imagery.begin(), imagery.end());
   return all;
-}
-
-bool overlaps(const LonLatBounds& raster, const TileBounds& tile) {
-  if (tile.south_deg >= raster.north_deg || tile.north_deg <= raster.south_deg) return false;
-  for (const double shift : {-360.0, 0.0, 360.0})
-    if (tile.west_deg + shift < raster.east_deg && tile.east_deg + shift > raster.west_deg) return true;
-  return false;
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "geo/lonlat_tiles.h"
@@ -50,19 +52,28 @@ class ImagerySampler {
   /// below 0 where there is nothing to say.
   void over_water(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
                   float* out) const;
-  /// The pixels of the finest raster that overlaps a tile; none without any.
+  /// The pixels of the finest raster that shows on a tile, as far as can be told cheaply; none without any.
   std::optional<PixelLattice> finest_lattice(const TileBounds& tile) const;
   uint64_t blocks_read() const;
   /// What became of the blocks of every raster, bottom first.
   std::vector<SourceStats> source_stats() const;
 
  private:
+  /// Whether every pixel is; false also where finding out would be dear.
+  bool is_opaque(const BlockCache& layer) const;
   void lay_all(const BlockCache* bottom, std::span<const double> lat_deg, std::span<const double> lon_deg,
-               double spacing_deg, float* rgbx) const;
+               double spacing_deg, float* rgbx, const std::vector<const BlockCache*>* but = nullptr) const;
+  /// Layers whose white seas are no ice (has_white_seas()), found when first asked for.
+  const std::vector<const BlockCache*>& maps_on_paper() const;
+  const HeightSampler& ground_;
+  mutable std::once_flag paper_asked_;
+  mutable std::vector<const BlockCache*> paper_;
   std::vector<std::unique_ptr<BlockCache>> layers_;
   std::unique_ptr<BlockCache> bottom_as_it_is_;  // where the bottom layer is painted over; null otherwise
   std::vector<const BlockCache*> fine_;          // layers that know coasts better than elevation does
   float bare_srgb_;
+  mutable std::mutex opaque_mutex_;
+  mutable std::unordered_map<const BlockCache*, bool> opaque_;
 };
 
 }  // namespace nepho

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "base/log.h"
+#include "base/seconds_since.h"
 
 namespace nepho {
 
@@ -17,10 +18,6 @@ constexpr uint32_t kFailuresInRow = 3;
 constexpr uint32_t kManyFailures = 64;
 /// A read that computed for longer than this failed on its data; another try would compute the same.
 constexpr double kHardWork_s = 0.25;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// A raster that is not closed any more once some call has been left behind: closing it might wait for a lock that the
 /// call holds. The program is about to end then.

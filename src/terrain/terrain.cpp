@@ -144,7 +144,8 @@ void Terrain::select_complete(TerrainView view, const TerrainWait& wait) {
   atlas_.grow(static_cast<uint32_t>(selected_.size()));
   std::vector<TileId> missing;
   for (const SelectedTile& s : selected_)
-    if (!atlas_.find(s.tile)) missing.push_back(s.tile);
+    if (!atlas_.find(s.tile) || unfinished_.contains(s.tile)) missing.push_back(s.tile);
+  for (const TileId& tile : missing) unfinished_.erase(tile);
   load(missing, wait);
   stats_.tiles_loaded = static_cast<uint32_t>(missing.size());
 }
