@@ -218,8 +218,10 @@ const std::vector<const BlockCache*>& ImagerySampler::maps_on_paper() const {
     return none;
   std::call_once(paper_asked_, [this] {
     const TileReads all(TileReads::Extent::everything);  // it is found once
-    for (const auto& layer : layers_)
-      if (has_white_seas(*layer, ground_)) paper_.push_back(layer.get());
+    for (const auto& layer : layers_) {
+      const bool painted = bottom_as_it_is_ && layer == layers_.front();  // the sea with the land's colours
+      if (has_white_seas(painted ? *bottom_as_it_is_ : *layer, ground_)) paper_.push_back(layer.get());
+    }
   });
   return paper_;
 }
