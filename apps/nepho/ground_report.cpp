@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
+
+#include "terrain/raster_window.h"
 
 namespace nepho {
 
@@ -12,13 +15,6 @@ std::vector<SourceStats> all_stats(const Terrain& terrain) {
   const std::vector<SourceStats> imagery = terrain.imagery().source_stats();
   all.insert(all.end(), imagery.begin(), imagery.end());
   return all;
-}
-
-bool overlaps(const LonLatBounds& raster, const TileBounds& tile) {
-  if (tile.south_deg >= raster.north_deg || tile.north_deg <= raster.south_deg) return false;
-  for (const double shift : {-360.0, 0.0, 360.0})
-    if (tile.west_deg + shift < raster.east_deg && tile.east_deg + shift > raster.west_deg) return true;
-  return false;
 }
 
 }  // namespace
@@ -37,11 +33,16 @@ std::vector<RasterInfo> named_rasters(const TerrainSources& sources, const Scene
 std::vector<std::string> out_of_view(const std::vector<RasterInfo>& rasters, const Terrain& terrain) {
   std::vector<std::string> lines;
   if (terrain.selected().empty()) return lines;  // a view of the sky
+  const auto in_view = [&](const RasterInfo& info) {
+    return std::any_of(terrain.selected().begin(), terrain.selected().end(),
+                       [&](const SelectedTile& s) { return overlaps(info.bounds, tile_bounds(s.tile)); });
+  };
+  std::set<std::string> seen, told;  // a folder is several rasters of one path
+  for (const RasterInfo& info : rasters)
+    if (!seen.contains(info.path) && in_view(info)) seen.insert(info.path);
   for (const RasterInfo& info : rasters) {
+    if (seen.contains(info.path) || !told.insert(info.path).second) continue;
     const LonLatBounds& b = info.bounds;
-    if (std::any_of(terrain.selected().begin(), terrain.selected().end(),
-                    [&](const SelectedTile& s) { return overlaps(b, tile_bounds(s.tile)); }))
-      continue;
     lines.push_back(
         fmt::format("{}: none of it is in view; it covers longitude {:.4g} to {:.4g}, latitude {:.4g} to "
                     "{:.4g}",

@@ -1,6 +1,7 @@
 #include "nepho/scene_sources.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "base/log.h"
 #include "base/patient_caller.h"
@@ -25,35 +26,49 @@ std::vector<const Source*> in_order(const std::vector<Source>& stack) {
   return sorted;
 }
 
+using Rasters = std::vector<std::shared_ptr<Raster>>;
+
 /// Opens rasters that may be damaged or not answer. `open` must own what it uses: it may outlive the call.
 class Opening {
  public:
-  Opening(double timeout_s, BadSource bad) : timeout_s_(timeout_s), bad_(bad) {}
-  /// Null: it was left out.
+  /// `missing`: of what cannot be read later.
+  Opening(double timeout_s, BadSource bad, SourceReader::Missing missing = SourceReader::Missing::left_out)
+      : timeout_s_(timeout_s), bad_(bad), missing_(missing) {}
+  /// What `path` is made of; empty: it was left out.
   template <typename F>
-  std::shared_ptr<Raster> operator()(const std::string& path, F open) const {
+  Rasters parts(const std::string& path, F open) const {
     try {
       const PatientCaller caller(timeout_s_);
-      std::optional<std::shared_ptr<Raster>> raster = caller.call(std::move(open));
-      if (!raster) throw fail(ErrorKind::input, "{}: does not answer within {:.3g} s", path, timeout_s_);
-      return SourceReader::of(std::move(*raster), timeout_s_);
+      std::optional<Rasters> rasters = caller.call(std::move(open));
+      if (!rasters) throw fail(ErrorKind::input, "{}: does not answer within {:.3g} s", path, timeout_s_);
+      for (std::shared_ptr<Raster>& raster : *rasters)
+        raster = SourceReader::of(std::move(raster), timeout_s_, missing_);
+      return std::move(*rasters);
     } catch (const Error& e) {
       if (bad_ == BadSource::error || e.kind() != ErrorKind::input) throw;
       log_warning("{}; left out (--strict makes this an error)", e.what());
-      return nullptr;
+      return {};
     }
+  }
+  /// The same of what must be one raster; null: it was left out.
+  template <typename F>
+  std::shared_ptr<Raster> operator()(const std::string& path, F open) const {
+    Rasters one = parts(path, [open = std::move(open)] { return Rasters{open()}; });
+    return one.empty() ? nullptr : std::move(one.front());
   }
 
  private:
   double timeout_s_;
   BadSource bad_;
+  SourceReader::Missing missing_;
 };
 
-std::vector<std::shared_ptr<Raster>> open_elevation(const std::shared_ptr<const RasterOpener>& opener,
-                                                    const Scene& scene, const DefaultEarth& earth, BadSource bad,
-                                                    bool* has_default = nullptr) {
+void append(Rasters& to, Rasters from) { std::ranges::move(from, std::back_inserter(to)); }
+
+Rasters open_elevation(const std::shared_ptr<const RasterOpener>& opener, const Scene& scene, const DefaultEarth& earth,
+                       BadSource bad, bool* has_default = nullptr) {
   const Opening opening(scene.terrain.source_timeout_s, bad);
-  std::vector<std::shared_ptr<Raster>> rasters;
+  Rasters rasters;
   if (!earth.elevation.empty())
     rasters.push_back(opening(earth.elevation, [opener, earth] { return opener->open_elevation(earth.elevation); }));
   if (has_default) *has_default = !rasters.empty() && rasters[0];
@@ -66,34 +81,40 @@ std::vector<std::shared_ptr<Raster>> open_elevation(const std::shared_ptr<const 
                       .timeout_s = scene.terrain.source_timeout_s};
     if (source->vertical_datum != "auto")
       how.vertical = source->vertical_datum == "ellipsoid" ? VerticalDatum::ellipsoid : VerticalDatum::egm96;
-    rasters.push_back(
-        opening(source->path, [opener, path = source->path, how] { return opener->open_elevation(path, how); }));
+    append(rasters, opening.parts(source->path, [opener, path = source->path, how] {
+      return opener->open_elevation_parts(path, how);
+    }));
   }
   std::erase(rasters, nullptr);
   return rasters;
 }
 
-std::shared_ptr<Raster> open_picture(const RasterOpener& opener, const ImagerySource& source, double timeout_s) {
+Rasters open_picture(const RasterOpener& opener, const ImagerySource& source, double timeout_s) {
   RasterReading how{.opacity = source.opacity,
                     .stretch = source.stretch.kind == Stretch::Kind::automatic,
                     .min_zoom = source.min_zoom,
                     .max_zoom = source.max_zoom,
                     .timeout_s = timeout_s};
   if (source.stretch.kind == Stretch::Kind::range) how.black_white = {source.stretch.low, source.stretch.high};
-  std::shared_ptr<Raster> raster = opener.open_imagery(source.path, how);
-  if (source.gamma == 1.0 && source.albedo_scale == 1.0) return raster;
-  return make_mapped_imagery(
-      std::move(raster), albedo_curve(0.0f, static_cast<float>(source.albedo_scale), static_cast<float>(source.gamma)));
+  Rasters rasters = opener.open_imagery_parts(source.path, how);
+  if (source.gamma == 1.0 && source.albedo_scale == 1.0) return rasters;
+  for (std::shared_ptr<Raster>& raster : rasters)
+    raster = make_mapped_imagery(std::move(raster), albedo_curve(0.0f, static_cast<float>(source.albedo_scale),
+                                                                 static_cast<float>(source.gamma)));
+  return rasters;
 }
 
 std::shared_ptr<const Geoid> egm96() { return std::make_shared<const Geoid>(Geoid::egm96()); }
 
 /// Without what lies below the clouds.
-WeatherSources open_weather_files(const RasterOpener& opener, const Scene& scene) {
+WeatherSources open_weather_files(const std::shared_ptr<const RasterOpener>& opener, const Scene& scene) {
   WeatherSources sources;
   const WeatherParams& weather = scene.clouds.weather;
-  if (weather.source == "raster") sources.weather = opener.open_weather(weather.file);
-  if (weather.source == "tile") sources.tile = opener.open_tile(weather.file);
+  const Opening opening(scene.terrain.source_timeout_s, BadSource::error, SourceReader::Missing::fatal);
+  if (weather.source == "raster")
+    sources.weather = opening(weather.file, [opener, file = weather.file] { return opener->open_weather(file); });
+  if (weather.source == "tile")
+    sources.tile = opening(weather.file, [opener, file = weather.file] { return opener->open_tile(file); });
   return sources;
 }
 
@@ -127,10 +148,10 @@ TerrainSources open_terrain(const RasterAccess& rasters, const Scene& scene, Bad
   // After the default Earth: while GDAL waits for a file that hangs it may open no other.
   sources.elevation = open_elevation(opener, scene, earth, bad, &sources.has_default);
   for (const ImagerySource* source : in_order(scene.imagery.files))
-    sources.imagery.push_back(
-        opening(source->path, [opener, picture = *source, timeout_s = scene.terrain.source_timeout_s] {
-          return open_picture(*opener, picture, timeout_s);
-        }));
+    append(sources.imagery,
+           opening.parts(source->path, [opener, picture = *source, timeout_s = scene.terrain.source_timeout_s] {
+             return open_picture(*opener, picture, timeout_s);
+           }));
   std::erase(sources.imagery, nullptr);
   if (!scene.terrain.water_mask.empty())
     sources.water_mask = opening(scene.terrain.water_mask,
@@ -159,7 +180,7 @@ SkySources open_sky(const RasterAccess& rasters, const Scene& scene) {
 }
 
 WeatherSources open_weather(const RasterAccess& rasters, const Scene& scene, const TerrainSources& terrain) {
-  WeatherSources sources = open_weather_files(*rasters.opener, scene);
+  WeatherSources sources = open_weather_files(rasters.opener, scene);
   // The scene's own may be large or fail; the default Earth is neither.
   for (size_t i = 0; i < terrain.elevation.size(); ++i)
     sources.elevation.push_back(i == 0 && terrain.has_default
@@ -170,7 +191,7 @@ WeatherSources open_weather(const RasterAccess& rasters, const Scene& scene, con
 }
 
 WeatherSources open_weather(const RasterAccess& rasters, const Scene& scene) {
-  WeatherSources sources = open_weather_files(*rasters.opener, scene);
+  WeatherSources sources = open_weather_files(rasters.opener, scene);
   sources.elevation =
       open_elevation(rasters.opener, scene, scene.terrain.default_earth ? rasters.find_default_earth() : DefaultEarth{},
                      BadSource::error);

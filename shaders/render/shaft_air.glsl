@@ -124,7 +124,10 @@ bool shaft_stretch(AirMarch m, float far_m, out StepPlan plan) {
   float top_m = HAZE > 0u ? max(shafts.data.haze.top_m, shafts.data.shade_top_m) : shafts.data.shade_top_m;
   bool meets = intersect_shell(planet, m.dir, top_m, hull) && hull.y > 0.0;
   cut.x = max(hull.x, 0.0);
-  cut.w = max(min(min(hull.y, far_m), m.end_m), cut.x);
+  // Of a block seen from orbit the farthest pixel may lie far beyond where this ray meets the sea: below there is no air.
+  vec2 sea;
+  float end_m = intersect_shell(planet, m.dir, min(shafts.data.ground_m, 0.0), sea) && sea.x > 0.0 ? min(m.end_m, sea.x) : m.end_m;
+  cut.w = max(min(min(hull.y, far_m), end_m), cut.x);
   cut.yz = cut.xw;
   vec3 extinction = vec3(0.0);
   if (HAZE > 0u && intersect_shell(planet, m.dir, shafts.data.haze.bulk_m, bulk) && bulk.y > 0.0) {

@@ -21,6 +21,20 @@ layout(set = 0, binding = 10, rgba16f) uniform writeonly image2D out_emission;
 
 const float kNightBlack = 0.006;  // linear; sRGB level 20 of 255
 
+// The lights' map where a texel of it covers many pixels: cubic B-spline, as four bilinear reads, so that a city is a
+// soft spot and no diamond of 20 km. Weights: Sigg and Hadwiger, GPU Gems 2, ch. 20.
+vec3 night_magnified(vec2 map) {
+  vec2 size = vec2(textureSize(night_tex, 0));
+  vec2 at = map * size - 0.5;
+  vec2 f = fract(at);
+  vec2 w0 = (1.0 - f) * (1.0 - f) * (1.0 - f) / 6.0, w3 = f * f * f / 6.0;
+  vec2 w1 = 2.0 / 3.0 - f * f * (1.0 - 0.5 * f);
+  vec2 low = w0 + w1, high = 1.0 - low;
+  vec2 a = (at - f - 0.5 + w1 / low) / size, b = (at - f + 1.5 + w3 / high) / size;
+  return low.y * (low.x * textureLod(night_tex, a, 0.0).rgb + high.x * textureLod(night_tex, vec2(b.x, a.y), 0.0).rgb) +
+         high.y * (low.x * textureLod(night_tex, vec2(a.x, b.y), 0.0).rgb + high.x * textureLod(night_tex, b, 0.0).rgb);
+}
+
 void main() {
   FrameConstants f = frame.frame_data;
   uvec2 pixel = tile_pixel();
@@ -46,19 +60,21 @@ void main() {
     // A tile that has just replaced its parent shows the parent's texels (its own, one mip coarser), and sharpens as it
     // takes its own shape.
     float coarsened = 1.0 - tile.morph;
-    vec4 texel = textureLod(imagery_tex,
-                            vec3(terrain_atlas_coordinate(uv.x, kTerrainImageryTexels),
-                                 terrain_atlas_coordinate(uv.y, kTerrainImageryTexels), float(tile.slot)),
-                            clamp(lod, coarsened, float(kTerrainImageryMips) - 1.0));
+    vec3 place = vec3(tile.atlas_origin + uv * tile.atlas_size, float(tile.slot));
+    float colour_lod = terrain_colour_lod(lod, tile.detail_log2, coarsened * (1.0 - tile.parts));
+    float coast_lod = clamp(lod, coarsened, float(kTerrainImageryMips) - 1.0);
+    vec4 texel = textureLod(imagery_tex, place, colour_lod);
+    // Coasts may have more detail than colours have.
+    if (coast_lod != colour_lod) texel.a = textureLod(imagery_tex, place, coast_lod).a;
     bool water = texel.a >= 0.5;
     normal = up;
     albedo = vec4(0.0, 0.0, 0.0, 2.0);
     if (!water) {
-      albedo = vec4(texel.rgb, 1.0);
+      // Between the source's pixels lie its codes, as they do for GDAL; their albedo comes after.
+      albedo = vec4(terrain_linear(texel.r), terrain_linear(texel.g), terrain_linear(texel.b), 1.0);
       vec2 slope = textureLod(slope_tex,
-                              vec3(terrain_atlas_coordinate(uv.x, kTerrainSlopeTexels),
-                                   terrain_atlas_coordinate(uv.y, kTerrainSlopeTexels), float(tile.slot)),
-                              clamp(lod - 1.0, coarsened, float(kTerrainSlopeMips) - 1.0)).rg;
+                              vec3(terrain_slope_coordinate(uv.x), terrain_slope_coordinate(uv.y), float(tile.slot)),
+                              clamp(lod + tile.slope_lod, coarsened, float(kTerrainSlopeMips) - 1.0)).rg;
       vec3 east = vec3(-up.y, up.x, 0.0) / max(length(up.xy), 1.0e-6);
       vec3 north = cross(up, east);
       normal = normalize(up - slope.x * east - slope.y * north);
@@ -67,7 +83,10 @@ void main() {
     if (dot(up, f.sun_dir) < 0.105) {
       vec2 map = tile.map_origin + uv * tile.map_size;
       float map_texel_m = 4.0075e7 / float(textureSize(night_tex, 0).x);
-      emission = textureLod(night_tex, map, max(log2(max(footprint_m / map_texel_m, 1.0e-6)), 0.0)).rgb;
+      float night_lod = log2(max(footprint_m / map_texel_m, 1.0e-6));
+      emission = textureLod(night_tex, map, max(night_lod, 0.0)).rgb;
+      // From one texel a pixel to two pixels a texel the one becomes the other.
+      if (night_lod < 0.0) emission = mix(emission, night_magnified(map), clamp(-night_lod, 0.0, 1.0));
       // The picture's black is not black, but a level or a few of 255: over a dark sea that would outshine the sky.
       emission = max(emission - kNightBlack, vec3(0.0)) * (1.0 / (1.0 - kNightBlack));
       // Its colours are those of a JPEG's blocks: lamps, on the mean, are as warm as 3000 K.

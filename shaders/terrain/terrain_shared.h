@@ -16,12 +16,17 @@ SHARED_CONST uint kTerrainSlopeMips = 3u;
 struct TerrainTile {
   uint slot;         // layer of the atlases, and place in the vertex buffer
   uint edges;        // kEdge... and kCorner... bits of src/terrain/tile_mesh.h: borders that take the coarser level's heights
-  float texel_m;     // size of an imagery texel, m
+  float texel_m;     // size of an imagery texel, m: geometric mean of both sides at the equator
   float morph;       // how much of its own shape the tile has: 0 the parent's, 1 all (src/terrain/tile_select.h)
   vec2 map_origin;   // north-west corner on the world map: u = (lon + 180) / 360, v = (90 - lat) / 180
   vec2 map_size;     // of the tile, in the same units
   vec4 edge_morph;   // north, east, south, west; corners excluded
   vec4 corner_morph; // north-west, north-east, south-east, south-west
+  vec2 atlas_origin; // of the imagery: atlas coordinates are atlas_origin + uv * atlas_size (src/terrain/imagery_grid.h)
+  vec2 atlas_size;
+  float detail_log2; // imagery texels for one pixel of the source, log2: 0 and more
+  float parts;       // 1: imagery texels are parts of a pixel, and the parent's colours are the same; else 0
+  float slope_lod;   // log2 of imagery texels for one slope texel, negative
 };
 
 struct TerrainRasterPush {
@@ -65,11 +70,24 @@ SHARED_FN float terrain_morph(uint index, float inner, vec4 edge, vec4 corner) {
   return west ? edge.w : (east ? edge.y : inner);
 }
 
-// Atlas coordinate of a place on a tile (uv 0..1 from its north-west corner).
-SHARED_FN float terrain_atlas_coordinate(float uv, uint texels) {
+// Coordinate of a place on a tile (uv 0..1 from its north-west corner) in its slopes.
+SHARED_FN float terrain_slope_coordinate(float uv) {
   float border = float(kTerrainBorderTexels);
-  float inner = float(texels) - 2.0f * border;
-  return (border + uv * inner) / float(texels);
+  float inner = float(kTerrainSlopeTexels) - 2.0f * border;
+  return (border + uv * inner) / float(kTerrainSlopeTexels);
+}
+
+// Mip of the imagery's colours. `lod`: log2 of texels that a pixel's footprint covers; `coarsened`: the least mip. While
+// the footprint is within one pixel of the source nothing is averaged, however many texels that is: bilinear between
+// the source's pixels is their mean over a footprint of that size. Twice as large, all is averaged that it covers.
+SHARED_FN float terrain_colour_lod(float lod, float detail_log2, float coarsened) {
+  float beyond = max(lod - detail_log2, 0.0f);
+  return clamp(min(lod, beyond * (detail_log2 + 1.0f)), coarsened, float(kTerrainImageryMips) - 1.0f);
+}
+
+// Linear value of an sRGB code 0..1 (IEC 61966-2-1).
+SHARED_FN float terrain_linear(float code) {
+  return code <= 0.04045f ? code / 12.92f : pow((code + 0.055f) / 1.055f, 2.4f);
 }
 
 SHARED_END

@@ -28,6 +28,9 @@ struct RasterInfo {
   uint32_t bands = 1;   ///< as delivered: 1 elevation, 4 imagery (RGBA); weather 1 (total cover) or 4 (by channel)
   LonLatBounds bounds;  ///< pixel edges, not centres
   bool wraps = false;   ///< spans 360 degrees: column -1 is column width - 1
+  /// Pixels here for one of the source, along each axis: warped pictures are read finer than they are, so that what is
+  /// interpolated again between these pixels is still what the source's own pixels give.
+  double oversampling = 1.0;
   VerticalDatum vertical = VerticalDatum::egm96;  ///< elevation only
   double opacity = 1.0;                           ///< elevation only: share of its heights where it has data, 0..1
   /// Changes whenever the same place may give other numbers: time and size of the file, settings of RasterReading.
@@ -85,6 +88,16 @@ class RasterOpener {
   /// Imagery as RGBA, 0..255 sRGB (grey and palettes expanded).
   virtual std::shared_ptr<Raster> open_imagery(const std::string& path, const RasterReading& how) const = 0;
   std::shared_ptr<Raster> open_imagery(const std::string& path) const { return open_imagery(path, {}); }
+  /// The rasters that a path is, bottom first. One, but for a folder whose rasters do not make one grid (of several
+  /// CRSs or resolutions, or far apart), which open_elevation() and open_imagery() refuse.
+  virtual std::vector<std::shared_ptr<Raster>> open_elevation_parts(const std::string& path,
+                                                                    const RasterReading& how) const {
+    return {open_elevation(path, how)};
+  }
+  virtual std::vector<std::shared_ptr<Raster>> open_imagery_parts(const std::string& path,
+                                                                  const RasterReading& how) const {
+    return {open_imagery(path, how)};
+  }
   /// Cloud cover 0..1 by the rules of docs/weather.md: one band of total cover (grey pictures, fractions, percent), or
   /// four for the weather channels R, G, B, A (coloured pictures; A is 0 without a fourth band).
   virtual std::shared_ptr<Raster> open_weather(const std::string& path) const = 0;

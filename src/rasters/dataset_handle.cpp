@@ -57,7 +57,8 @@ void DatasetHandle::find_levels() {
   full.y_off = grid.y_off;
   levels_.push_back(full);
   const uint32_t reductions = reduction_count(layout_.width, layout_.height);
-  for (uint32_t k = 1; k + layout_.averaged_reductions < reductions; ++k) {
+  for (uint32_t k = 1; k < reductions; ++k) {
+    if (k > layout_.finer_levels && k + layout_.averaged_reductions >= reductions) break;
     const auto warped = std::ranges::find(chain_.levels, k, &DatasetChain::Level::level);
     Level level;
     level.level = k;
@@ -80,7 +81,8 @@ void DatasetHandle::find_levels() {
 const DatasetHandle::Level& DatasetHandle::level_for(uint32_t reduction) const {
   const Level* best = &levels_.front();
   for (const Level& level : levels_)
-    if (level.level + layout_.averaged_reductions <= reduction) best = &level;
+    if (level.level + (level.level > layout_.finer_levels ? layout_.averaged_reductions : 0) <= reduction)
+      best = &level;
   return *best;
 }
 

@@ -33,6 +33,8 @@ struct RasterLayout {
   /// least 2^this by 2^this of its pixels, which also bounds what a block costs. 0 for tiles, whose zooms are meant to
   /// be looked at.
   uint32_t averaged_reductions = 3;
+  /// Level 0 is this many times halved finer than the source: the levels up to here are all warped from its own pixels.
+  uint32_t finer_levels = 0;
 };
 
 /// One opening of a raster: reads raw numbers, for one thread at a time.

@@ -7,14 +7,19 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/log.h"
 #include "rasters/raster_folder.h"
 #include "rasters/tile_dataset.h"
+#include "rasters/tile_finder.h"
 
 namespace nepho {
 
 namespace {
 
 constexpr int kLargestWeatherTile = 4096;
+/// Pictures are warped to pixels half as large as theirs: at their own size the second interpolation, from these pixels
+/// to a place, would blur what the first one left.
+constexpr uint32_t kFinerLevels = 1;
 
 bool is_folder(const std::string& path) {
   VSIStatBufL stat;
@@ -35,31 +40,43 @@ std::string stamp_of(const std::string& file) {
   return fmt::format("{}@{}", static_cast<int64_t>(stat.st_size), static_cast<int64_t>(stat.st_mtime));
 }
 
-/// Settles `dataset` or `tiles` of a source.
-void find_out(GdalSource& source, const RasterReading& how, const GdalMessages& messages) {
-  const std::string& path = source.path;
-  const bool ground = source.use == RasterUse::elevation || source.use == RasterUse::imagery;
-  source.dataset = path;
+/// Of tiles nothing cheap tells whether one has changed.
+std::string fingerprint_of(const std::string& stamp, RasterUse use, const RasterReading& how) {
+  return fmt::format("{} {} scale {} code {} stretch {} {} opacity {} zoom {} {}", stamp, static_cast<int>(use),
+                     how.vertical_scale, how.encoding, how.stretch,
+                     how.black_white ? fmt::format("{}:{}", (*how.black_white)[0], (*how.black_white)[1]) : "auto",
+                     how.opacity, how.min_zoom, how.max_zoom);
+}
+
+/// What `path` is: `dataset` or `tiles` of each of its sources.
+std::vector<GdalSource> find_out(const std::string& path, RasterUse use, const RasterReading& how,
+                                 const GdalMessages& messages) {
+  GdalSource source;
+  source.path = source.dataset = path;
+  source.use = use;
+  source.fingerprint = fingerprint_of(stamp_of(path), use, how);
+  const bool ground = use == RasterUse::elevation || use == RasterUse::imagery;
   if (ground && is_tile_template(path)) {
-    source.tiles = find_tiles(path, path, how, source.use == RasterUse::elevation, messages);
+    source.tiles = find_tiles(path, path, how, use == RasterUse::elevation, messages);
   } else if (ground && is_folder(path)) {
     std::string folder = path;
     while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
     if (const std::optional<std::string> tiles = tile_template_of_folder(folder)) {
-      source.tiles = find_tiles(path, *tiles, how, source.use == RasterUse::elevation, messages);
+      source.tiles = find_tiles(path, *tiles, how, use == RasterUse::elevation, messages);
     } else if (!gdal_opens(path)) {
-      const RasterMosaic mosaic = mosaic_of_folder(folder, source.use == RasterUse::elevation, messages);
-      source.dataset = mosaic.name;
-      for (const std::string& file : mosaic.files) source.fingerprint += file + stamp_of(file) + "\n";
+      std::vector<GdalSource> sources;
+      for (const RasterMosaic& mosaic : mosaics_of_folder(folder, use == RasterUse::elevation, messages)) {
+        std::string stamps;
+        for (const std::string& file : mosaic.files) stamps += file + stamp_of(file) + "\n";
+        source.path = mosaic.files.size() == 1 ? mosaic.files[0] : path;
+        source.dataset = mosaic.name;
+        source.fingerprint = fingerprint_of(std::to_string(std::hash<std::string>()(stamps)), use, how);
+        sources.push_back(source);
+      }
+      return sources;
     }
   }
-  // Of tiles nothing cheap tells whether one has changed.
-  source.fingerprint = fmt::format(
-      "{} {} scale {} code {} stretch {} {} opacity {} zoom {} {}",
-      source.fingerprint.empty() ? stamp_of(path) : std::to_string(std::hash<std::string>()(source.fingerprint)),
-      static_cast<int>(source.use), how.vertical_scale, how.encoding, how.stretch,
-      how.black_white ? fmt::format("{}:{}", (*how.black_white)[0], (*how.black_white)[1]) : "auto", how.opacity,
-      how.min_zoom, how.max_zoom);
+  return {source};
 }
 
 GDALDatasetUniquePtr open_root(const GdalSource& source, bool again, const GdalMessages& messages) {
@@ -115,33 +132,13 @@ void settle_layout(GdalSource& source, const PixelGrid& grid, const RasterReadin
       is_sequential(root) ? 1 : std::clamp<size_t>(std::thread::hardware_concurrency(), 1, kMostOpenings);
 }
 
-}  // namespace
-
-DatasetChain GdalSource::open() const {
+OpenedSource open_found(GdalSource found, const RasterReading& how) {
   const GdalMessages messages;
-  DatasetChain chain;
-  push(chain, open_root(*this, true, messages));
-  if (code != HeightCode::none) push(chain, decode_heights(*chain.datasets.back(), code));
-  if (expand_palette)
-    for (GDALDatasetUniquePtr& step : nepho::expand_palette(*chain.datasets.back(), path)) push(chain, std::move(step));
-  if (warp)
-    push_warped(chain, *this, messages);
-  else
-    chain.levels.push_back({0, chain.datasets.back().get()});
-  return chain;
-}
-
-OpenedSource open_source(const std::string& path, RasterUse use, const RasterReading& how) {
-  init_gdal();
-  set_network_timeout(how.timeout_s);
-  const GdalMessages messages;
-  OpenedSource opened;
+  OpenedSource opened{.source = std::move(found), .chain = {}};
   GdalSource& source = opened.source;
   DatasetChain& chain = opened.chain;
-  source.path = path;
-  source.use = use;
-  refuse_pipes(path);
-  find_out(source, how, messages);
+  const std::string& path = source.path;
+  const RasterUse use = source.use;
   push(chain, open_root(source, false, messages));
   GDALDataset& root = *chain.datasets.front();
   if (use == RasterUse::elevation) {
@@ -175,13 +172,73 @@ OpenedSource open_source(const std::string& path, RasterUse use, const RasterRea
       plan = plan_bands(*chain.datasets.back(), source, how, messages);
     }
     source.warp = plan_warp(*chain.datasets.back(), path, use == RasterUse::elevation, plan.alpha_max, messages,
-                            use == RasterUse::weather);
+                            use == RasterUse::weather, use == RasterUse::imagery ? kFinerLevels : 0);
+    source.layout.finer_levels = source.warp->finer_levels;
     push_warped(chain, source, messages);
     grid = source.warp->grid;
     // As the warper was asked for.
     plan.alpha = use == RasterUse::elevation ? 0 : chain.levels.front().dataset->GetRasterCount();
   }
   settle_layout(source, *grid, how, root);
+  return opened;
+}
+
+/// Pictures of a folder that are not 8 bits become black and white at the same numbers.
+void stretch_alike(std::vector<OpenedSource>& opened) {
+  double black = 0.0, white = 0.0;
+  const auto visit = [&](auto&& change) {
+    for (OpenedSource& part : opened)
+      if (BandPlan& plan = part.source.layout.plan;
+          plan.palette.empty() && part.chain.datasets.front()->GetRasterBand(1)->GetRasterDataType() != GDT_Byte)
+        change(plan);
+  };
+  bool any = false;
+  visit([&](const BandPlan& plan) {
+    const double low = -plan.offset / plan.scale, high = low + 255.0 / plan.scale;
+    black = any ? std::min(black, low) : low;
+    white = any ? std::max(white, high) : high;
+    any = true;
+  });
+  visit([&](BandPlan& plan) {
+    plan.scale = 255.0 / (white - black);
+    plan.offset = -black * plan.scale;
+  });
+}
+
+}  // namespace
+
+DatasetChain GdalSource::open() const {
+  const GdalMessages messages;
+  DatasetChain chain;
+  push(chain, open_root(*this, true, messages));
+  if (code != HeightCode::none) push(chain, decode_heights(*chain.datasets.back(), code));
+  if (expand_palette)
+    for (GDALDatasetUniquePtr& step : nepho::expand_palette(*chain.datasets.back(), path)) push(chain, std::move(step));
+  if (warp)
+    push_warped(chain, *this, messages);
+  else
+    chain.levels.push_back({0, chain.datasets.back().get()});
+  return chain;
+}
+
+std::vector<OpenedSource> open_sources(const std::string& path, RasterUse use, const RasterReading& how) {
+  init_gdal();
+  set_network_timeout(how.timeout_s);
+  refuse_pipes(path);
+  std::vector<GdalSource> found;
+  {
+    const GdalMessages messages;
+    found = find_out(path, use, how, messages);
+  }
+  const size_t parts = found.size();
+  std::vector<OpenedSource> opened;
+  for (GdalSource& source : found) try {
+      opened.push_back(open_found(std::move(source), how));
+    } catch (const Error& e) {
+      if (parts == 1 || e.kind() != ErrorKind::input || (&source == &found.back() && opened.empty())) throw;
+      log_warning("{}; left out of its folder", e.what());
+    }
+  if (use == RasterUse::imagery && opened.size() > 1) stretch_alike(opened);
   return opened;
 }
 

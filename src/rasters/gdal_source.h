@@ -1,11 +1,13 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "io/raster.h"
 #include "rasters/dataset_handle.h"
 #include "rasters/height_colours.h"
 #include "rasters/tile_names.h"
+#include "rasters/warp_plan.h"
 
 namespace nepho {
 
@@ -14,7 +16,7 @@ enum class RasterUse { elevation, imagery, weather, weather_tile };
 
 /// A name that a user gave, understood: how to open it once more, with every decision taken at the first look.
 struct GdalSource {
-  std::string path;  ///< as the user named it
+  std::string path;  ///< as the user named it, or the one file of a folder: what messages name
   RasterUse use = RasterUse::elevation;
   std::string dataset;           ///< what GDAL opens
   std::optional<TileSet> tiles;  ///< instead of `dataset`
@@ -36,7 +38,7 @@ struct OpenedSource {
 };
 
 /// Finds out what `path` is (a file, a folder of rasters or of tiles, a template of tiles, a GDAL connection) and opens
-/// it. Throws Error(input), one line.
-OpenedSource open_source(const std::string& path, RasterUse use, const RasterReading& how);
+/// it: one source, or, of a folder, one for each of its mosaics, bottom first. Throws Error(input), one line.
+std::vector<OpenedSource> open_sources(const std::string& path, RasterUse use, const RasterReading& how);
 
 }  // namespace nepho

@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 #include <mutex>
 #include <set>
 #include <vector>
 
 #include "base/error.h"
+#include "base/files.h"
 
 namespace nepho {
 
@@ -79,6 +81,9 @@ void init_gdal() {
   std::call_once(once, [] {
     set_default("GTIFF_REPORT_COMPD_CS", "YES");  // else GeoTIFF 1.0 loses its vertical datum
     set_default("VRT_SHARED_SOURCE", "NO");       // openings of a VRT serve different threads
+    // Else GDAL keeps the tiles of services in a folder below wherever the program was started.
+    if (const std::filesystem::path cache = cache_dir(); !cache.empty())
+      set_default("GDAL_DEFAULT_WMS_CACHE_PATH", (cache / "services").c_str());
     GDALAllRegister();
     bound_cache();
   });

@@ -6,6 +6,7 @@
 #include <ogr_spatialref.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <map>
 #include <memory>
@@ -14,7 +15,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
-#include "rasters/georeference.h"
+#include "rasters/raster_clusters.h"
 
 namespace nepho {
 
@@ -55,26 +56,47 @@ void list_files(const std::string& folder, int depth, std::vector<std::string>& 
 struct Kind {
   int bands = 0;
   bool palette = false;
+  bool degrees = false;
   std::string type, meaning, crs;
-  auto operator<=>(const Kind&) const = default;
+  std::string common() const { return type + " " + meaning + " " + crs; }
 };
 
-std::optional<Kind> kind_of(const std::string& file) {
+/// A raster of the folder.
+struct Found {
+  std::string file;
+  Kind kind;
+  std::optional<ClusterTile> place;  // none: rotated, upside down, or placed by points; no matter for a mosaic
+};
+
+/// None: no raster, or one that nothing places.
+std::optional<Found> look_at(const std::string& file) {
   const GdalMessages quiet;
   const GDALDatasetUniquePtr dataset(GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
   if (!dataset || dataset->GetRasterCount() == 0) return std::nullopt;
-  Kind kind{.bands = dataset->GetRasterCount(),
-            .palette = dataset->GetRasterBand(1)->GetColorTable() != nullptr,
-            .type = GDALGetDataTypeName(dataset->GetRasterBand(1)->GetRasterDataType()),
-            .meaning = GDALGetColorInterpretationName(dataset->GetRasterBand(1)->GetColorInterpretation()),
-            .crs = {}};
-  if (const OGRSpatialReference* srs = dataset->GetSpatialRef()) {
+  Found found{.file = file,
+              .kind = {.bands = dataset->GetRasterCount(),
+                       .palette = dataset->GetRasterBand(1)->GetColorTable() != nullptr,
+                       .type = GDALGetDataTypeName(dataset->GetRasterBand(1)->GetRasterDataType()),
+                       .meaning = GDALGetColorInterpretationName(dataset->GetRasterBand(1)->GetColorInterpretation()),
+                       .crs = {}},
+              .place = {}};
+  const OGRSpatialReference* srs = dataset->GetSpatialRef();
+  if (srs) {
     char* text = nullptr;
     srs->exportToWkt(&text);
-    kind.crs = text ? text : "";
+    found.kind.crs = text ? text : "";
     CPLFree(text);
   }
-  return kind;
+  found.kind.degrees = !srs || srs->IsGeographic();
+  std::array<double, 6> g{};
+  if (dataset->GetGeoTransform(g.data()) != CE_None)
+    return dataset->GetGCPCount() > 0 || dataset->GetMetadata("RPC") || dataset->GetMetadata("GEOLOCATION")
+               ? std::optional(found)
+               : std::nullopt;
+  const int width = dataset->GetRasterXSize(), height = dataset->GetRasterYSize();
+  if (g[2] == 0.0 && g[4] == 0.0 && g[1] > 0.0 && g[5] < 0.0)
+    found.place = ClusterTile{g[0], g[3] + g[5] * height, g[0] + g[1] * width, g[3], g[1], -g[5]};
+  return found;
 }
 
 std::string in_memory_name() {
@@ -108,66 +130,65 @@ std::string put_together(const std::vector<std::string>& files, const std::strin
   return name;
 }
 
-/// The same warped to longitude and latitude; heights become floating-point numbers, NaN where there are none.
-std::string on_lon_lat(const std::string& vrt, bool elevation, const std::string& folder,
-                       const GdalMessages& messages) {
-  const GDALDatasetUniquePtr dataset(GDALDataset::Open(vrt.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
-  if (!dataset)
-    throw fail(ErrorKind::input, "{}: its rasters cannot be put together{}", folder, messages.in_brackets());
-  native_grid(*dataset, folder, messages);  // throws where nothing says where it lies
-  const double alpha_max = dataset->GetRasterBand(1)->GetRasterDataType() == GDT_Byte ? 255.0 : 65535.0;
-  const WarpPlan plan = plan_warp(*dataset, folder, elevation, alpha_max, messages);
-  const std::string name = in_memory_name();
-  warp(*dataset, plan, plan.levels.front(), folder, messages, name);
-  return name;
-}
-
-}  // namespace
-
-RasterMosaic mosaic_of_folder(const std::string& folder, bool elevation, const GdalMessages& messages) {
+/// The files of a folder that can be used, and how many it has.
+std::vector<Found> usable_files(const std::string& folder, bool elevation) {
   std::vector<std::string> files, skipped;
   list_files(folder, 0, files);
   using Look = std::tuple<int, bool, std::string>;
   // Heights of all types can be put together.
   const auto look_of = [&](const Kind& kind) { return Look(kind.bands, kind.palette, elevation ? "" : kind.type); };
   std::map<Look, size_t> counts;
-  std::vector<std::pair<std::string, Kind>> rasters;
+  std::vector<Found> rasters;
   for (const std::string& file : files) {
-    if (const std::optional<Kind> kind = kind_of(file)) {
-      ++counts[look_of(*kind)];
-      rasters.emplace_back(file, *kind);
+    if (std::optional<Found> found = look_at(file)) {
+      ++counts[look_of(found->kind)];
+      rasters.push_back(std::move(*found));
     } else {
       skipped.push_back(file);
     }
   }
   if (rasters.empty()) throw fail(ErrorKind::input, "{}: is a folder without rasters ({} files)", folder, files.size());
   const auto most = std::ranges::max_element(counts, {}, [](const auto& entry) { return entry.second; })->first;
-  RasterMosaic mosaic;
-  std::vector<std::pair<std::string, std::vector<std::string>>>
-      groups;  // that GDAL can put together, in order of first use
-  for (const auto& [file, kind] : rasters) {
-    if (look_of(kind) != most) {
-      skipped.push_back(file);
-      continue;
-    }
-    mosaic.files.push_back(file);
-    const std::string common = kind.type + " " + kind.meaning + " " + kind.crs;
-    auto group = std::ranges::find(groups, common, [](const auto& g) { return g.first; });
-    if (group == groups.end()) group = groups.insert(groups.end(), {common, {}});
-    group->second.push_back(file);
-  }
+  for (const Found& raster : rasters)
+    if (look_of(raster.kind) != most) skipped.push_back(raster.file);
+  std::erase_if(rasters, [&](const Found& raster) { return look_of(raster.kind) != most; });
   if (!skipped.empty())
-    log_warning("{}: {} of {} files skipped, as they are no rasters or have other bands: {}{}", folder, skipped.size(),
-                files.size(), skipped.front().substr(folder.size() + 1), skipped.size() > 1 ? ", ..." : "");
+    log_warning("{}: {} of {} files skipped, as they are no rasters, have no place or have other bands: {}{}", folder,
+                skipped.size(), files.size(), skipped.front().substr(folder.size() + 1),
+                skipped.size() > 1 ? ", ..." : "");
+  return rasters;
+}
 
-  std::vector<std::string> parts;
-  for (const auto& [common, members] : groups) parts.push_back(put_together(members, folder, elevation, messages));
-  if (parts.size() > 1) {
-    for (std::string& part : parts) part = on_lon_lat(part, elevation, folder, messages);
-    parts = {put_together(parts, folder, elevation, messages)};
+}  // namespace
+
+std::vector<RasterMosaic> mosaics_of_folder(const std::string& folder, bool elevation, const GdalMessages& messages) {
+  const std::vector<Found> rasters = usable_files(folder, elevation);
+  std::vector<std::vector<size_t>> parts;             // indices of `rasters`
+  std::map<std::string, std::vector<size_t>> groups;  // that GDAL can put together
+  for (size_t i = 0; i < rasters.size(); ++i) {
+    if (rasters[i].place)
+      groups[rasters[i].kind.common()].push_back(i);
+    else
+      parts.push_back({i});
   }
-  mosaic.name = parts[0];
-  return mosaic;
+  for (const auto& [common, members] : groups) {
+    std::vector<ClusterTile> tiles;
+    for (const size_t i : members) tiles.push_back(*rasters[i].place);
+    for (std::vector<size_t>& cluster : cluster_tiles(tiles, rasters[members[0]].kind.degrees ? 360.0 : 0.0)) {
+      for (size_t& i : cluster) i = members[i];
+      parts.push_back(std::move(cluster));
+    }
+  }
+  // By the last name: where two parts overlap, later ones lie over earlier ones.
+  std::ranges::sort(parts, {}, [](const std::vector<size_t>& part) { return part.back(); });
+  std::vector<RasterMosaic> mosaics;
+  for (const std::vector<size_t>& part : parts) {
+    RasterMosaic mosaic;
+    for (const size_t i : part) mosaic.files.push_back(rasters[i].file);
+    mosaic.name = part.size() == 1 ? mosaic.files[0] : put_together(mosaic.files, folder, elevation, messages);
+    mosaics.push_back(std::move(mosaic));
+  }
+  return mosaics;
 }
 
 }  // namespace nepho

@@ -3,10 +3,13 @@
 #include <ogr_spatialref.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <memory>
 #include <vector>
+
+#include "rasters/tile_file.h"
 
 namespace nepho {
 
@@ -65,53 +68,69 @@ class TileDataset final : public GDALDataset {
   }
   const TileSet& tiles() const { return tiles_; }
 
-  /// The pixels of a tile, band after band.
+  /// The pixels of a tile, band after band. Where it is missing, those of the nearest coarser zoom that has one there.
   template <typename T>
   bool load(int bx, int by, std::vector<T>& out) const {
     const int level = tiles_.max_zoom - zoom_;
+    const int64_t x = (tiles_.x0 >> level) + bx, y = (tiles_.y0 >> level) + by;
     bool failed = false;
-    const std::string name = tile_name(tiles_, zoom_, (tiles_.x0 >> level) + bx, (tiles_.y0 >> level) + by);
-    const GDALDatasetUniquePtr tile = open_tile_file(name, failed);
+    GDALDatasetUniquePtr tile;
+    Part part;
+    for (int up = 0; !tile && !failed && zoom_ - up >= tiles_.min_zoom && (tiles_.tile_px >> up) > 0; ++up) {
+      tile = open_tile_file(tile_name(tiles_, zoom_ - up, x >> up, y >> up), failed);
+      const double size = std::ldexp(1.0, -up);
+      part = {static_cast<double>(x - ((x >> up) << up)) * size, static_cast<double>(y - ((y >> up) << up)) * size,
+              size};
+    }
     const auto pixels = static_cast<size_t>(tiles_.tile_px) * static_cast<size_t>(tiles_.tile_px);
     out.assign(pixels * (tiles_.heights ? 1 : 4), T{});
     if (failed) return false;
     if (tiles_.heights) std::fill(out.begin(), out.end(), static_cast<T>(kNaN));
     if (!tile || tile->GetRasterCount() == 0) return true;
-    return tiles_.heights ? load_heights(*tile, out) : load_colours(*tile, out);
+    return tiles_.heights ? load_heights(*tile, part, out) : load_colours(*tile, part, out);
   }
 
  private:
+  /// A square of a tile, in parts of the whole.
+  struct Part {
+    double x = 0.0, y = 0.0, size = 1.0;
+  };
+  /// Pixels are repeated where the part has fewer: numbers in code and numbers of colours cannot be mixed.
   template <typename T>
-  bool read(GDALRasterBand& band, T* out) const {
-    return band.RasterIO(GF_Read, 0, 0, band.GetXSize(), band.GetYSize(), out, tiles_.tile_px, tiles_.tile_px,
+  bool read(GDALRasterBand& band, const Part& part, T* out) const {
+    const int w = band.GetXSize(), h = band.GetYSize();
+    const int x = std::min(static_cast<int>(part.x * w), w - 1), y = std::min(static_cast<int>(part.y * h), h - 1);
+    const int part_w = std::max(1, static_cast<int>(part.size * w)),
+              part_h = std::max(1, static_cast<int>(part.size * h));
+    return band.RasterIO(GF_Read, x, y, part_w, part_h, out, tiles_.tile_px, tiles_.tile_px,
                          std::is_same_v<T, float> ? GDT_Float32 : GDT_Byte, 0, 0, nullptr) == CE_None;
   }
   /// 255 where there is data.
-  bool read_mask(GDALRasterBand& band, std::vector<uint8_t>& mask) const {
+  bool read_mask(GDALRasterBand& band, const Part& part, std::vector<uint8_t>& mask) const {
     mask.assign(static_cast<size_t>(tiles_.tile_px) * static_cast<size_t>(tiles_.tile_px), 255);
     if (band.GetMaskFlags() == GMF_ALL_VALID) return true;
-    return read(*band.GetMaskBand(), mask.data());
+    return read(*band.GetMaskBand(), part, mask.data());
   }
   template <typename T>
-  bool load_heights(GDALDataset& tile, std::vector<T>& out) const {
+  bool load_heights(GDALDataset& tile, const Part& part, std::vector<T>& out) const {
     GDALRasterBand& band = *tile.GetRasterBand(1);
     std::vector<uint8_t> mask;
-    if (!read(band, out.data()) || !read_mask(band, mask)) return false;
+    if (!read(band, part, out.data()) || !read_mask(band, part, mask)) return false;
     const double scale = band.GetScale(), offset = band.GetOffset();
     for (size_t i = 0; i < out.size(); ++i)
       out[i] = static_cast<T>(mask[i] ? static_cast<float>(static_cast<double>(out[i]) * scale + offset) : kNaN);
     return true;
   }
   template <typename T>
-  bool load_colours(GDALDataset& tile, std::vector<T>& out) const {
+  bool load_colours(GDALDataset& tile, const Part& part, std::vector<T>& out) const {
     const size_t pixels = out.size() / 4;
     const int bands = tile.GetRasterCount();
     GDALRasterBand& first = *tile.GetRasterBand(1);
     std::vector<uint8_t> mask;
     if (const GDALColorTable* colours = first.GetColorTable(); colours && bands == 1) {
-      if (!read_mask(first, mask)) return false;
+      if (!read_mask(first, part, mask)) return false;
       std::vector<uint8_t> index(pixels);
-      if (!read(first, index.data())) return false;
+      if (!read(first, part, index.data())) return false;
       for (size_t i = 0; i < pixels; ++i) {
         GDALColorEntry entry{};
         colours->GetColorEntryAsRGB(index[i], &entry);
@@ -123,9 +142,10 @@ class TileDataset final : public GDALDataset {
       return true;
     }
     for (size_t c = 0; c < 3; ++c)
-      if (!read(*tile.GetRasterBand(bands >= 3 ? static_cast<int>(c) + 1 : 1), out.data() + c * pixels)) return false;
+      if (!read(*tile.GetRasterBand(bands >= 3 ? static_cast<int>(c) + 1 : 1), part, out.data() + c * pixels))
+        return false;
     // Opacity 0..255 whatever the type: the mask band of a picture with alpha is its alpha, scaled to 8 bits.
-    if (!read_mask(first, mask)) return false;
+    if (!read_mask(first, part, mask)) return false;
     for (size_t i = 0; i < pixels; ++i) out[3 * pixels + i] = static_cast<T>(mask[i]);
     return true;
   }

@@ -1,10 +1,6 @@
 #pragma once
 #include <cstdint>
-#include <optional>
 #include <string>
-
-#include "io/raster.h"
-#include "rasters/gdal_support.h"
 
 namespace nepho {
 
@@ -24,20 +20,14 @@ struct TileSet {
 /// Whether a name has {z}, {x} and {y} or {-y} ("{q}", Bing's quadkey, stands for all three).
 bool is_tile_template(const std::string& path);
 
-/// The template for a folder that holds tiles as zoom/column/row.png (of any format); with a tilemapresource.xml, which
-/// gdal2tiles writes, rows from the south, unless it says xyz. None for other folders.
-std::optional<std::string> tile_template_of_folder(const std::string& folder);
-
-/// What there is behind a template: listed for files of this machine, asked for by a first tile otherwise.
-/// Throws Error(input) when no tile is found.
-TileSet find_tiles(const std::string& path, const std::string& tile_template, const RasterReading& how, bool elevation,
-                   const GdalMessages& messages);
-
 /// Name of one tile, `y` from the north.
 std::string tile_name(const TileSet& tiles, int zoom, int64_t x, int64_t y);
 
-/// A tile, opened; none where it is missing. `failed`: it may be there, but could not be fetched or decoded (GDAL's
-/// error says why).
-GDALDatasetUniquePtr open_tile_file(const std::string& name, bool& failed);
+/// Tiles of a zoom around the Earth, and from pole to pole (of Mercator: from edge to edge).
+int64_t tiles_across(const TileSet& tiles, int zoom);
+int64_t tiles_down(const TileSet& tiles, int zoom);
+
+bool is_url(const std::string& name);
+bool contains(const std::string& text, const char* part);
 
 }  // namespace nepho

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "base/seconds_since.h"
+
 namespace nepho {
 
 namespace {
@@ -35,10 +37,6 @@ uint64_t key_of(uint32_t reduction, uint32_t bx, uint32_t by) {
 }
 
 uint64_t bytes_of(const RasterBlock& block) { return block.values.size() * sizeof(float) + block.valid.size(); }
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 RasterCaches completed(RasterCaches caches) {
   if (!caches.memory) caches.memory = std::make_shared<HostBudget>(kOwnBudgetBytes);
@@ -92,29 +90,70 @@ bool BlockCache::whole_is_dear() const {
 }
 
 std::shared_ptr<const BlockCache::Block> BlockCache::block(uint32_t reduction, uint32_t bx, uint32_t by) const {
+  if (TileReads* const reads = TileReads::current()) {
+    reads->check_stop();
+    if (reads->extent() != TileReads::Extent::everything) return partial_block(*reads, reduction, bx, by);
+  }
+  return kept(reduction, bx, by, [&] { return make(reduction, bx, by); });
+}
+
+template <typename F>
+std::shared_ptr<const BlockCache::Block> BlockCache::kept(uint32_t reduction, uint32_t bx, uint32_t by,
+                                                          F&& make_block) const {
   return blocks_.get(key_of(reduction, bx, by), [&]() -> HostCache<uint64_t, Block>::Made {
-    auto block = std::make_shared<Block>(load(reduction, bx, by));
-    const std::vector<uint8_t>& valid = block->data.valid;
-    block->all_valid = std::all_of(valid.begin(), valid.end(), [](uint8_t v) { return v != 0; });
+    std::shared_ptr<const Block> block = make_block();
     const uint64_t bytes = bytes_of(block->data) + sizeof(Block);
     return {std::move(block), bytes};
   });
 }
 
+std::shared_ptr<const BlockCache::Block> BlockCache::make(uint32_t reduction, uint32_t bx, uint32_t by) const {
+  auto block = std::make_shared<Block>(load(reduction, bx, by));
+  const std::vector<uint8_t>& valid = block->data.valid;
+  block->all_valid = std::all_of(valid.begin(), valid.end(), [](uint8_t v) { return v != 0; });
+  return block;
+}
+
+std::shared_ptr<const BlockCache::Block> BlockCache::partial_block(TileReads& reads, uint32_t reduction, uint32_t bx,
+                                                                   uint32_t by) const {
+  if (reads.extent() == TileReads::Extent::nothing) {
+    reads.leave_out();
+    return std::make_shared<Block>(empty_block(reduction, bx, by));
+  }
+  if (auto there = blocks_.find(key_of(reduction, bx, by))) return there;
+  const bool dear = reduction > kDirectReductions && is_averaged(reduction) && whole_is_dear();
+  if (dear && !kept_on_disk(reduction, bx, by)) {
+    reads.leave_out();
+    return std::make_shared<Block>(empty_block(reduction, bx, by));
+  }
+  if (!filter_) return kept(reduction, bx, by, [&] { return make(reduction, bx, by); });
+  // A filter may look at other rasters, of which something may be left out; and who makes the same block with
+  // everything may take long.
+  const uint64_t before = reads.left_out();
+  const std::shared_ptr<const Block> block = make(reduction, bx, by);
+  return reads.left_out() == before ? kept(reduction, bx, by, [&] { return block; }) : block;
+}
+
+/// What a filter made depends on more than this raster: only what it starts from is kept.
+bool BlockCache::is_on_disk(uint32_t reduction) const { return source_ && !(is_averaged(reduction) && filter_); }
+
+std::optional<RasterBlock> BlockCache::kept_on_disk(uint32_t reduction, uint32_t bx, uint32_t by) const {
+  if (!is_on_disk(reduction)) return std::nullopt;
+  std::optional<RasterBlock> found = caches_.disk->load(source_, reduction, bx, by);
+  if (found && found->width == std::min(side_at(reduction), width_at(reduction) - bx * side_at(reduction)) &&
+      found->height == std::min(side_at(reduction), height_at(reduction) - by * side_at(reduction)))
+    return found;
+  return std::nullopt;
+}
+
 BlockCache::Block BlockCache::load(uint32_t reduction, uint32_t bx, uint32_t by) const {
-  const bool averaged = is_averaged(reduction);
-  // What a filter made depends on more than this raster: only what it starts from is kept.
-  const bool on_disk = source_ && !(averaged && filter_);
+  const bool averaged = is_averaged(reduction), on_disk = is_on_disk(reduction);
   Block out;
   bool kept = false;
-  if (on_disk) {
-    std::optional<RasterBlock> found = caches_.disk->load(source_, reduction, bx, by);
-    if (found && found->width == std::min(side_at(reduction), width_at(reduction) - bx * side_at(reduction)) &&
-        found->height == std::min(side_at(reduction), height_at(reduction) - by * side_at(reduction))) {
-      out.data = std::move(*found);
-      kept = true;
-      ++from_disk_;
-    }
+  if (std::optional<RasterBlock> found = kept_on_disk(reduction, bx, by)) {
+    out.data = std::move(*found);
+    kept = true;
+    ++from_disk_;
   }
   const auto start = std::chrono::steady_clock::now();
   if (!kept && averaged) {

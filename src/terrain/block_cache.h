@@ -3,10 +3,12 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "io/raster.h"
 #include "terrain/raster_caches.h"
 #include "terrain/source_reader.h"
+#include "terrain/tile_reads.h"
 
 namespace nepho {
 
@@ -20,6 +22,8 @@ namespace nepho {
 ///
 /// A block that cannot be read (SourceReader) is made from finer blocks, as far as those can be read, or from a coarser
 /// level of the source's own pyramid; what is still missing counts as no data.
+///
+/// A thread with TileReads gets less: see there.
 class BlockCache {
  public:
   struct Block {
@@ -52,6 +56,12 @@ class BlockCache {
 
  private:
   Block load(uint32_t reduction, uint32_t bx, uint32_t by) const;
+  std::shared_ptr<const Block> make(uint32_t reduction, uint32_t bx, uint32_t by) const;
+  template <typename F>
+  std::shared_ptr<const Block> kept(uint32_t reduction, uint32_t bx, uint32_t by, F&& make_block) const;
+  std::shared_ptr<const Block> partial_block(TileReads& reads, uint32_t reduction, uint32_t bx, uint32_t by) const;
+  bool is_on_disk(uint32_t reduction) const;
+  std::optional<RasterBlock> kept_on_disk(uint32_t reduction, uint32_t bx, uint32_t by) const;
   bool is_averaged(uint32_t reduction) const;
   Block average_children(uint32_t reduction, uint32_t bx, uint32_t by) const;
   Block replace_failed(uint32_t reduction, uint32_t bx, uint32_t by) const;

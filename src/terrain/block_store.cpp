@@ -1,9 +1,7 @@
 #include "terrain/block_store.h"
 
 #include <fcntl.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,6 +13,7 @@
 #include <vector>
 
 #include "base/files.h"
+#include "base/give_way.h"
 #include "base/log.h"
 #include "terrain/block_codec.h"
 
@@ -160,8 +159,7 @@ void BlockStore::flush() {
 }
 
 void BlockStore::serve() {
-  // Nobody waits for it: it gives way to the program's other threads.
-  (void)::setpriority(PRIO_PROCESS, static_cast<id_t>(::syscall(SYS_gettid)), 5);
+  give_way();  // nobody waits for it
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [this] { return !jobs_.empty() || stop_; });

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/parallel.h"
+#include "terrain/tile_reads.h"
 
 namespace nepho {
 
@@ -92,7 +93,9 @@ Grid sample_grid(const HeightSampler& heights, const ImagerySampler* imagery, co
   std::vector<double> lon_deg(columns);
   for (size_t i = 0; i < columns; ++i) lon_deg[i] = centre_lon_deg + grid.lon.at(i);
   const uint32_t level = tile_level_for(spacing_deg);
+  TileReads* const caller = TileReads::current();
   parallel_for((rows + kRowsPerTask - 1) / kRowsPerTask, [&](size_t task) {
+    const TileReads reads(caller);
     const size_t first = task * kRowsPerTask, last = std::min(first + kRowsPerTask, rows);
     std::vector<double> lat_deg;
     for (size_t j = first; j < last; ++j) lat_deg.push_back(grid.lat.at(j));

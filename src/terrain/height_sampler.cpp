@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "geo/geodetic.h"
+#include "terrain/height_layer.h"
 #include "terrain/imagery_sampler.h"
 #include "terrain/raster_window.h"
 
@@ -13,74 +14,6 @@ namespace nepho {
 namespace {
 
 constexpr double kMetresPerDegree = 6371008.8 * std::numbers::pi / 180.0;
-
-/// Bilinear values of one raster; weight is the bilinear share of valid pixels times the raster's opacity, values are
-/// of the valid ones alone.
-/// Returns false when no place has any data.
-bool sample_layer(const BlockCache& raster, std::span<const double> lat_deg, std::span<const double> lon_deg,
-                  uint32_t reduction, std::vector<double>& value, std::vector<float>& weight) {
-  const RasterAxis x = columns_at(raster, reduction, lon_deg);
-  if (!x.any_inside) return false;
-  const RasterAxis y = rows_at(raster, reduction, lat_deg);
-  if (!y.any_inside) return false;
-  RasterWindow w;
-  gather(raster, reduction, x, y, w);
-  if (w.none_valid) return false;
-  const size_t columns = lon_deg.size();
-  value.resize(columns * lat_deg.size());
-  weight.resize(value.size());
-  for (size_t j = 0; j < lat_deg.size(); ++j) {
-    const RasterAxis::Tap ty = y.taps[j];
-    const float* row_a = &w.values[size_t{ty.a} * w.columns];
-    const float* row_b = &w.values[size_t{ty.b} * w.columns];
-    const uint8_t* valid_a = &w.valid[size_t{ty.a} * w.columns];
-    const uint8_t* valid_b = &w.valid[size_t{ty.b} * w.columns];
-    for (size_t i = 0; i < columns; ++i) {
-      const RasterAxis::Tap tx = x.taps[i];
-      const size_t out = j * columns + i;
-      if (w.all_valid || (valid_a[tx.a] && valid_a[tx.b] && valid_b[tx.a] && valid_b[tx.b])) {
-        const double top = static_cast<double>(row_a[tx.a]) * (1.0 - tx.f) + static_cast<double>(row_a[tx.b]) * tx.f;
-        const double low = static_cast<double>(row_b[tx.a]) * (1.0 - tx.f) + static_cast<double>(row_b[tx.b]) * tx.f;
-        value[out] = top * (1.0 - ty.f) + low * ty.f;
-        weight[out] = 1.0f;
-        continue;
-      }
-      const double waa = valid_a[tx.a] ? (1.0 - tx.f) * (1.0 - ty.f) : 0.0;
-      const double wab = valid_a[tx.b] ? tx.f * (1.0 - ty.f) : 0.0;
-      const double wba = valid_b[tx.a] ? (1.0 - tx.f) * ty.f : 0.0;
-      const double wbb = valid_b[tx.b] ? tx.f * ty.f : 0.0;
-      const double sum = waa + wab + wba + wbb;
-      weight[out] = static_cast<float>(sum);
-      value[out] = sum > 0.0 ? (waa * static_cast<double>(row_a[tx.a]) + wab * static_cast<double>(row_a[tx.b]) +
-                                wba * static_cast<double>(row_b[tx.a]) + wbb * static_cast<double>(row_b[tx.b])) /
-                                   sum
-                             : 0.0;
-    }
-  }
-  if (const auto opacity = static_cast<float>(raster.info().opacity); opacity < 1.0f)
-    for (float& w_out : weight) w_out *= opacity;
-  return true;
-}
-
-bool overlaps(const LonLatBounds& b, const TileBounds& t) {
-  if (t.south_deg >= b.north_deg || t.north_deg <= b.south_deg) return false;
-  for (const double shift : {-360.0, 0.0, 360.0})
-    if (t.west_deg + shift < b.east_deg && t.east_deg + shift > b.west_deg) return true;
-  return false;
-}
-
-/// Voids of up to some 2^this pixels across are filled by their rim.
-constexpr uint32_t kVoidReductions = 6;
-
-bool has_longitude(const LonLatBounds& b, double lon_deg) {
-  return b.west_deg + std::fmod(lon_deg - b.west_deg + 720.0, 360.0) <= b.east_deg;
-}
-
-/// Whether any place of a grid lies on a raster.
-bool overlaps_grid(const LonLatBounds& b, std::span<const double> lat_deg, std::span<const double> lon_deg) {
-  return std::any_of(lat_deg.begin(), lat_deg.end(), [&](double v) { return v >= b.south_deg && v <= b.north_deg; }) &&
-         std::any_of(lon_deg.begin(), lon_deg.end(), [&](double v) { return has_longitude(b, v); });
-}
 
 }  // namespace
 
@@ -134,53 +67,6 @@ double HeightSampler::undulation_m(double lat_deg, double lon_deg) const {
   return geoid_ ? geoid_->undulation_m(rad_from_deg(lat_deg), rad_from_deg(lon_deg)) : 0.0;
 }
 
-void HeightSampler::fill_voids(size_t layer, std::span<const double> lat_deg, std::span<const double> lon_deg,
-                               const double* undulation, uint32_t reduction, const std::vector<float>& weight,
-                               Field& below) const {
-  const BlockCache& raster = *layers_[layer];
-  if (raster.info().opacity < 1.0) return;
-  // The outer half pixel fades out everywhere: that is no void.
-  const double half_px = 0.5 * std::ldexp(raster.pixel_deg(), static_cast<int>(reduction));
-  LonLatBounds bounds = raster.info().bounds;
-  bounds.south_deg += half_px;
-  bounds.north_deg -= half_px;
-  if (!raster.info().wraps) {
-    bounds.west_deg += half_px;
-    bounds.east_deg -= half_px;
-  }
-  if (bounds.west_deg >= bounds.east_deg || bounds.south_deg >= bounds.north_deg) return;
-  const size_t columns = lon_deg.size();
-  std::vector<size_t> voids;
-  for (size_t j = 0; j < lat_deg.size(); ++j) {
-    if (lat_deg[j] < bounds.south_deg || lat_deg[j] > bounds.north_deg) continue;
-    for (size_t i = 0; i < columns; ++i)
-      // Not the sea that a raster leaves out: its bed would rise to the height of the shore.
-      if (weight[j * columns + i] < 1.0f && has_longitude(bounds, lon_deg[i]) &&
-          !(has_default_ && below.default_msl[j * columns + i] <= 0.0))
-        voids.push_back(j * columns + i);
-  }
-  if (voids.empty()) return;
-  // How far the raster is above what lies below it, from the nearest of its coarser pixels that have data: what each
-  // leaves open the next one fills, and the last one's rest is 0.
-  std::vector<double> lift(voids.size(), 0.0), value;
-  std::vector<float> open(voids.size(), 1.0f), share;
-  Field coarse;
-  for (uint32_t k = reduction + 1; k <= reduction + kVoidReductions; ++k) {
-    if (std::min(raster.width_at(k), raster.height_at(k)) < 2) break;
-    if (!sample_layer(raster, lat_deg, lon_deg, k, value, share)) continue;
-    sample_stack(lat_deg, lon_deg, std::ldexp(raster.pixel_deg(), static_cast<int>(k)), undulation, coarse, layer);
-    const bool ellipsoidal = raster.info().vertical == VerticalDatum::ellipsoid;
-    for (size_t n = 0; n < voids.size(); ++n) {
-      const size_t at = voids[n];
-      const float w = open[n] * share[at];
-      const double v = ellipsoidal && undulation ? value[at] - undulation[at] : value[at];
-      lift[n] += static_cast<double>(w) * (v - coarse.stack_msl[at]);
-      open[n] -= w;
-    }
-  }
-  for (size_t n = 0; n < voids.size(); ++n) below.stack_msl[voids[n]] += lift[n];
-}
-
 void HeightSampler::sample_stack(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
                                  const double* undulation, Field& out, size_t layers) const {
   const size_t count = lat_deg.size() * lon_deg.size();
@@ -215,9 +101,11 @@ void HeightSampler::sample_stack(std::span<const double> lat_deg, std::span<cons
         out.stack_weight[i] = std::max(out.stack_weight[i], weight[i]);
       }
     }
-    if (is_default)
-      for (size_t i = 0; i < count; ++i)
-        if (weight[i] > 0.0f) out.default_msl[i] = value[i];
+    if (!is_default) continue;
+    for (size_t i = 0; i < count; ++i)
+      if (weight[i] > 0.0f) out.default_msl[i] = value[i];
+    const std::vector<double> lift = edge_lift(lat_deg, lon_deg, spacing_deg, undulation, out.default_msl, layers);
+    for (size_t i = 0; i < lift.size(); ++i) out.stack_msl[i] += lift[i];
   }
 }
 
@@ -335,6 +223,12 @@ void HeightSampler::slopes(std::span<const double> lat_deg, std::span<const doub
     if (!sample_layer(*layer, lat_deg, lon_e, k, east, we) || !sample_layer(*layer, lat_deg, lon_w, k, west, ww) ||
         !sample_layer(*layer, lat_n, lon_deg, k, north, wn) || !sample_layer(*layer, lat_s, lon_deg, k, south, ws))
       continue;
+    if (layer.get() == default_data()) {
+      add_edge_lift(lat_deg, lon_e, spacing_deg, east);
+      add_edge_lift(lat_deg, lon_w, spacing_deg, west);
+      add_edge_lift(lat_n, lon_deg, spacing_deg, north);
+      add_edge_lift(lat_s, lon_deg, spacing_deg, south);
+    }
     for (size_t j = 0; j < rows; ++j) {
       // Near a pole a step in longitude is hardly a step at all: damped there, or noise would stand upright.
       const double cos_lat = std::max(std::cos(rad_from_deg(lat_deg[j])), 0.05);

@@ -26,7 +26,8 @@ struct Slope {
 /// bits whichever grid it is part of and whatever was asked before. Thread-safe.
 ///
 /// Rasters lie over each other, the bottom one over the plain ellipsoid; where a raster has no data, and half a pixel
-/// beyond its last one, what lies below shows, blended by the bilinear weight of the valid pixels. Heights above EGM96
+/// beyond its last one, what lies below shows, blended by the bilinear weight of the valid pixels. The default data are
+/// lifted to a finer raster's edge around it (edge_lift()), and in its voids. Heights above EGM96
 /// get the geoid's undulation. Sea is where both the default data and the stack are at or below 0: there the surface is
 /// the geoid. Without default data the stack decides alone.
 ///
@@ -98,6 +99,15 @@ class HeightSampler {
   /// Lifts what lies below a raster's voids by as much as the raster is above it around them.
   void fill_voids(size_t layer, std::span<const double> lat_deg, std::span<const double> lon_deg,
                   const double* undulation_m, uint32_t reduction, const std::vector<float>& weight, Field& below) const;
+  /// How far the default data are lifted around rasters of the stack, from the second to below `layers`, m: at a
+  /// raster's edge by as much as it is above them, less and less over the next 1.5 pixels of theirs; not at the sea.
+  /// Empty where no raster is near. `inside`: on the raster, too, all of the way to it.
+  std::vector<double> edge_lift(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
+                                const double* undulation_m, std::span<const double> default_msl, size_t layers,
+                                bool inside = false) const;
+  /// Lifts default data, as they are at the places of a grid, in this way, so that differences across an edge fit.
+  void add_edge_lift(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
+                     std::vector<double>& default_msl) const;
   std::vector<double> undulations_m(std::span<const double> lat_deg, std::span<const double> lon_deg) const;
   bool is_sea(const Field& field, size_t place) const;
   void find_range();

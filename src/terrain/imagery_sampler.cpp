@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "terrain/raster_window.h"
+#include "terrain/white_seas.h"
 
 namespace nepho {
 
@@ -93,11 +93,12 @@ RasterCoverage lay_over(const BlockCache& raster, uint32_t reduction, std::span<
 
 namespace {
 
-bool overlaps(const LonLatBounds& b, const TileBounds& t) {
-  if (t.south_deg >= b.north_deg || t.north_deg <= b.south_deg) return false;
+bool contains(const RasterInfo& info, const TileBounds& t) {
+  const LonLatBounds& b = info.bounds;
+  if (t.south_deg < b.south_deg || t.north_deg > b.north_deg) return false;
   for (const double shift : {-360.0, 0.0, 360.0})
-    if (t.west_deg + shift < b.east_deg && t.east_deg + shift > b.west_deg) return true;
-  return false;
+    if (t.west_deg + shift >= b.west_deg && t.east_deg + shift <= b.east_deg) return true;
+  return info.wraps;
 }
 
 /// Marks a block's texels that are not surely land: those on water of `ground` or next to it, as pictures bleed over
@@ -185,7 +186,7 @@ void spread_land(RasterBlock& block, std::vector<uint8_t> land, uint32_t bands) 
 
 ImagerySampler::ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, const HeightSampler& ground,
                                double bare_albedo, const RasterCaches& caches)
-    : bare_srgb_(srgb_255(bare_albedo)) {
+    : ground_(ground), bare_srgb_(srgb_255(bare_albedo)) {
   for (auto& raster : imagery) {
     raster = SourceReader::of(std::move(raster), caches.timeout_s);  // one, however many caches read it
     BlockCache::Filter filter;
@@ -203,11 +204,26 @@ ImagerySampler::ImagerySampler(std::vector<std::shared_ptr<Raster>> imagery, con
 }
 
 void ImagerySampler::lay_all(const BlockCache* bottom, std::span<const double> lat_deg, std::span<const double> lon_deg,
-                             double spacing_deg, float* rgbx) const {
+                             double spacing_deg, float* rgbx, const std::vector<const BlockCache*>* but) const {
   for (const auto& layer : layers_) {
+    if (but && std::find(but->begin(), but->end(), layer.get()) != but->end()) continue;
     const BlockCache& from = bottom && layer == layers_.front() ? *bottom : *layer;
     lay_over(from, from.reduction_for(spacing_deg), lat_deg, lon_deg, rgbx);
   }
+}
+
+const std::vector<const BlockCache*>& ImagerySampler::maps_on_paper() const {
+  static const std::vector<const BlockCache*> none;
+  if (const TileReads* reads = TileReads::current(); reads && reads->extent() == TileReads::Extent::nothing)
+    return none;
+  std::call_once(paper_asked_, [this] {
+    const TileReads all(TileReads::Extent::everything);  // it is found once
+    for (const auto& layer : layers_) {
+      const bool painted = bottom_as_it_is_ && layer == layers_.front();  // the sea with the land's colours
+      if (has_white_seas(painted ? *bottom_as_it_is_ : *layer, ground_)) paper_.push_back(layer.get());
+    }
+  });
+  return paper_;
 }
 
 void ImagerySampler::colours(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
@@ -225,25 +241,67 @@ void ImagerySampler::over_water(std::span<const double> lat_deg, std::span<const
   const auto may_be_ice = [](double lat) { return std::abs(lat) > kLeastIceLatitude_deg; };
   if (!layers_.empty() && std::any_of(lat_deg.begin(), lat_deg.end(), may_be_ice)) {
     rgbx.assign(count * 4, 0.0f);  // nothing is not ice, however bright bare ground is
-    lay_all(bottom_as_it_is_.get(), lat_deg, lon_deg, spacing_deg, rgbx.data());
+    lay_all(bottom_as_it_is_.get(), lat_deg, lon_deg, spacing_deg, rgbx.data(), &maps_on_paper());
     for (size_t j = 0; j < lat_deg.size(); ++j)
       for (size_t i = 0; i < columns && may_be_ice(lat_deg[j]); ++i)
         out[j * columns + i] = ice_field(&rgbx[(j * columns + i) * 4], lat_deg[j]);
   }
+  // A dark shoal is as dark as the sea, give or take the noise of a pixel: what decides is the mean over some pixels,
+  // or what is far from doubtful.
+  constexpr double kMeanOver = 4.0;
+  constexpr float kDoubtful = 40.0f;
+  std::vector<float> mean;
   for (const BlockCache* layer : fine_) {
     // So dark that every place which the picture does not cover wholly stays darker than any picture.
     rgbx.assign(count * 4, -1e5f);
+    mean.assign(count * 4, -1e5f);
     lay_over(*layer, layer->reduction_for(spacing_deg), lat_deg, lon_deg, rgbx.data());
-    for (size_t p = 0; p < count; ++p)
-      if (rgbx[4 * p] > -1.0f) out[p] = std::max(out[p], shore_field(&rgbx[4 * p]));
+    const double coarse_deg = kMeanOver * std::max(spacing_deg, layer->pixel_deg() * layer->info().oversampling);
+    lay_over(*layer, layer->reduction_for(coarse_deg), lat_deg, lon_deg, mean.data());
+    for (size_t p = 0; p < count; ++p) {
+      if (rgbx[4 * p] <= -1.0f) continue;
+      const float own = shore_field(&rgbx[4 * p]);
+      out[p] = std::max({out[p], own - kDoubtful, mean[4 * p] > -1.0f ? shore_field(&mean[4 * p]) : own});
+    }
   }
 }
 
-double ImagerySampler::finest_pixel_deg(const TileBounds& tile) const {
-  double finest = std::numeric_limits<double>::infinity();
-  for (const auto& layer : layers_)
-    if (overlaps(layer->info().bounds, tile)) finest = std::min(finest, layer->pixel_deg());
-  return finest;
+bool ImagerySampler::is_opaque(const BlockCache& layer) const {
+  const std::lock_guard lock(opaque_mutex_);
+  const auto known = opaque_.find(&layer);
+  if (known != opaque_.end()) return known->second;
+  bool opaque = !layer.whole_is_dear();
+  if (const TileReads* reads = TileReads::current(); reads && reads->extent() == TileReads::Extent::nothing)
+    return false;
+  const uint32_t side = layer.side_at(0), bands = layer.info().bands;
+  for (uint32_t y = 0; opaque && y * side < layer.info().height; ++y)
+    for (uint32_t x = 0; opaque && x * side < layer.info().width; ++x) {
+      const auto block = layer.block(0, x, y);
+      opaque = block->all_valid;
+      for (size_t p = 3; opaque && bands == 4 && p < block->data.values.size(); p += 4)
+        opaque = block->data.values[p] >= 254.99f;
+    }
+  opaque_[&layer] = opaque;
+  return opaque;
+}
+
+std::optional<PixelLattice> ImagerySampler::finest_lattice(const TileBounds& tile) const {
+  const BlockCache* finest = nullptr;
+  std::vector<const BlockCache*> covers;  // the whole tile
+  for (size_t l = layers_.size(); l-- > 0;) {
+    const BlockCache& layer = *layers_[l];
+    if (!overlaps(layer.info().bounds, tile)) continue;
+    if (!finest || layer.pixel_deg() < finest->pixel_deg()) {
+      if (std::any_of(covers.begin(), covers.end(), [&](const BlockCache* c) { return is_opaque(*c); })) break;
+      finest = &layer;
+    }
+    if (contains(layer.info(), tile)) covers.push_back(&layer);
+  }
+  if (!finest) return std::nullopt;
+  const RasterInfo& info = finest->info();
+  return PixelLattice{info.bounds.west_deg, info.bounds.north_deg,
+                      (info.bounds.east_deg - info.bounds.west_deg) / info.width,
+                      (info.bounds.north_deg - info.bounds.south_deg) / info.height, info.oversampling};
 }
 
 std::vector<SourceStats> ImagerySampler::source_stats() const {

@@ -1,13 +1,17 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "geo/lonlat_tiles.h"
 #include "io/raster.h"
 #include "terrain/block_cache.h"
 #include "terrain/height_sampler.h"
+#include "terrain/imagery_grid.h"
 
 namespace nepho {
 
@@ -44,22 +48,32 @@ class ImagerySampler {
   void colours(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg, float* rgbx) const;
   /// Where pictures say more of water than elevation does: positive where they show something else, m or levels of
   /// sRGB, continuous. Ice, by ice_field() of the pictures as they are; and, in pictures four times finer than any
-  /// elevation there, whatever is not deep water by shore_field(). Far below 0 where there is nothing to say.
+  /// elevation there, whatever is not deep water by shore_field(): of the mean over four pixels a side, or by far. Far
+  /// below 0 where there is nothing to say.
   void over_water(std::span<const double> lat_deg, std::span<const double> lon_deg, double spacing_deg,
                   float* out) const;
-  /// Pixel size in degrees of the finest raster that overlaps a tile; infinity without any.
-  double finest_pixel_deg(const TileBounds& tile) const;
+  /// The pixels of the finest raster that shows on a tile, as far as can be told cheaply; none without any.
+  std::optional<PixelLattice> finest_lattice(const TileBounds& tile) const;
   uint64_t blocks_read() const;
   /// What became of the blocks of every raster, bottom first.
   std::vector<SourceStats> source_stats() const;
 
  private:
+  /// Whether every pixel is; false also where finding out would be dear.
+  bool is_opaque(const BlockCache& layer) const;
   void lay_all(const BlockCache* bottom, std::span<const double> lat_deg, std::span<const double> lon_deg,
-               double spacing_deg, float* rgbx) const;
+               double spacing_deg, float* rgbx, const std::vector<const BlockCache*>* but = nullptr) const;
+  /// Layers whose white seas are no ice (has_white_seas()), found when first asked for.
+  const std::vector<const BlockCache*>& maps_on_paper() const;
+  const HeightSampler& ground_;
+  mutable std::once_flag paper_asked_;
+  mutable std::vector<const BlockCache*> paper_;
   std::vector<std::unique_ptr<BlockCache>> layers_;
   std::unique_ptr<BlockCache> bottom_as_it_is_;  // where the bottom layer is painted over; null otherwise
   std::vector<const BlockCache*> fine_;          // layers that know coasts better than elevation does
   float bare_srgb_;
+  mutable std::mutex opaque_mutex_;
+  mutable std::unordered_map<const BlockCache*, bool> opaque_;
 };
 
 }  // namespace nepho

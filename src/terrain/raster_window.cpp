@@ -106,6 +106,13 @@ RasterAxis rows_at(const BlockCache& raster, uint32_t reduction, std::span<const
   return make_axis(shape, places);
 }
 
+bool overlaps(const LonLatBounds& raster, const TileBounds& tile) {
+  if (tile.south_deg >= raster.north_deg || tile.north_deg <= raster.south_deg) return false;
+  for (const double shift : {-360.0, 0.0, 360.0})
+    if (tile.west_deg + shift < raster.east_deg && tile.east_deg + shift > raster.west_deg) return true;
+  return false;
+}
+
 void gather(const BlockCache& raster, uint32_t reduction, const RasterAxis& x, const RasterAxis& y, RasterWindow& out) {
   const int64_t side = raster.side_at(reduction);
   out.columns = static_cast<uint32_t>(x.pixels.size());

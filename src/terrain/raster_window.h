@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "geo/lonlat_tiles.h"
 #include "terrain/block_cache.h"
 
 namespace nepho {
@@ -26,6 +27,9 @@ struct RasterAxis {
 RasterAxis columns_at(const BlockCache& raster, uint32_t reduction, std::span<const double> lon_deg);
 /// Latitudes on the rows. A raster that reaches a pole is continued over it.
 RasterAxis rows_at(const BlockCache& raster, uint32_t reduction, std::span<const double> lat_deg);
+
+/// Whether a raster shares some place with a tile.
+bool overlaps(const LonLatBounds& raster, const TileBounds& tile);
 
 /// The pixels that two axes name, side by side.
 struct RasterWindow {

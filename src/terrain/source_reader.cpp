@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "base/log.h"
+#include "base/seconds_since.h"
 
 namespace nepho {
 
@@ -18,10 +19,6 @@ constexpr uint32_t kManyFailures = 64;
 /// A read that computed for longer than this failed on its data; another try would compute the same.
 constexpr double kHardWork_s = 0.25;
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 /// A raster that is not closed any more once some call has been left behind: closing it might wait for a lock that the
 /// call holds. The program is about to end then.
 std::shared_ptr<Raster> closed_only_if_safe(std::shared_ptr<Raster> raster) {
@@ -33,12 +30,12 @@ std::shared_ptr<Raster> closed_only_if_safe(std::shared_ptr<Raster> raster) {
 
 }  // namespace
 
-SourceReader::SourceReader(std::shared_ptr<Raster> raster, double timeout_s)
-    : raster_(closed_only_if_safe(std::move(raster))), info_(raster_->info()), caller_(timeout_s) {}
+SourceReader::SourceReader(std::shared_ptr<Raster> raster, double timeout_s, Missing missing)
+    : raster_(closed_only_if_safe(std::move(raster))), info_(raster_->info()), caller_(timeout_s), missing_(missing) {}
 
-std::shared_ptr<SourceReader> SourceReader::of(std::shared_ptr<Raster> raster, double timeout_s) {
+std::shared_ptr<SourceReader> SourceReader::of(std::shared_ptr<Raster> raster, double timeout_s, Missing missing) {
   if (auto reader = std::dynamic_pointer_cast<SourceReader>(raster)) return reader;
-  return std::make_shared<SourceReader>(std::move(raster), timeout_s);
+  return std::make_shared<SourceReader>(std::move(raster), timeout_s, missing);
 }
 
 Result<RasterBlock> SourceReader::read_block(uint32_t reduction, uint32_t bx, uint32_t by) const {
@@ -103,6 +100,7 @@ void SourceReader::failed(const std::string& reason, double waited_s) const {
   if (caller_.patience_s() > 0.0 && failing_s_ > most_s) given_up_ = true;
   if (!failure_.empty() || reason.empty()) return;
   failure_ = reason;
+  if (missing_ == Missing::fatal) return;
   log_warning("{}; {}", reason,
               caller_.given_up() ? "it is left out from here on" : "what lies below shows in such places");
 }

@@ -23,14 +23,17 @@ struct SourceStats {
 
 /// A raster that may fail: a read that does not succeed is tried again twice, after pauses (those of the same source on
 /// other threads go on meanwhile). A source that does not come back within the timeout, or answers with nothing but
-/// errors for as long, is given up: all later reads fail at once. One warning, at the first failure. All that read one
-/// source share one of these. Thread-safe.
+/// errors for as long, is given up: all later reads fail at once. One warning, at the first failure, where what is
+/// missing may be left out. All that read one source share one of these. Thread-safe.
 class SourceReader final : public Raster {
  public:
+  /// Whether those who read make do without what is missing, or fail with its message.
+  enum class Missing { left_out, fatal };
   /// `timeout_s`: 0 waits for ever.
-  SourceReader(std::shared_ptr<Raster> raster, double timeout_s);
+  SourceReader(std::shared_ptr<Raster> raster, double timeout_s, Missing missing = Missing::left_out);
   /// `raster` itself where it is one already.
-  static std::shared_ptr<SourceReader> of(std::shared_ptr<Raster> raster, double timeout_s);
+  static std::shared_ptr<SourceReader> of(std::shared_ptr<Raster> raster, double timeout_s,
+                                          Missing missing = Missing::left_out);
 
   const RasterInfo& info() const override { return info_; }
   uint32_t reductions() const override { return raster_->reductions(); }
@@ -51,6 +54,7 @@ class SourceReader final : public Raster {
   std::shared_ptr<Raster> raster_;
   RasterInfo info_;
   PatientCaller caller_;
+  Missing missing_;
   mutable std::atomic<uint64_t> read_{0}, retried_{0}, failed_{0};
   mutable std::atomic<uint32_t> failures_in_row_{0};
   mutable std::atomic<bool> given_up_{false};

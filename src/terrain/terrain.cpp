@@ -20,7 +20,7 @@
 
 namespace nepho {
 
-static_assert(sizeof(shared::TerrainTile) == 64);
+static_assert(sizeof(shared::TerrainTile) == 92);
 static_assert(sizeof(shared::TerrainRasterPush) == 24);
 
 namespace {
@@ -149,7 +149,8 @@ void Terrain::select_complete(TerrainView view, const TerrainWait& wait) {
   atlas_.grow(static_cast<uint32_t>(selected_.size()));
   std::vector<TileId> missing;
   for (const SelectedTile& s : selected_)
-    if (!atlas_.find(s.tile)) missing.push_back(s.tile);
+    if (!atlas_.find(s.tile) || unfinished_.contains(s.tile)) missing.push_back(s.tile);
+  for (const TileId& tile : missing) unfinished_.erase(tile);
   load(missing, wait);
   stats_.tiles_loaded = static_cast<uint32_t>(missing.size());
 }
@@ -194,7 +195,18 @@ Terrain::Outputs Terrain::add(FrameGraph& graph, const FrameInfo& frame) const {
     t.morph = s.morph;
     t.edge_morph = glm::vec4(s.edge_morph[0], s.edge_morph[1], s.edge_morph[2], s.edge_morph[3]);
     t.corner_morph = glm::vec4(s.corner_morph[0], s.corner_morph[1], s.corner_morph[2], s.corner_morph[3]);
-    t.texel_m = static_cast<float>(imagery_texel_deg(s.tile.level) * kMetresPerDegree);
+    const ImageryGrid texels = builder_.grid_of_imagery(s.tile);
+    const double texel_deg = std::sqrt(texels.lon_step_deg * texels.lat_step_deg),
+                 size_deg = tile_size_deg(s.tile.level);
+    const glm::dvec2 whole_deg =
+        double{shared::kTerrainImageryTexels} * glm::dvec2(texels.lon_step_deg, texels.lat_step_deg);
+    t.texel_m = static_cast<float>(texel_deg * kMetresPerDegree);
+    t.slope_lod = static_cast<float>(std::log2(texel_deg / slope_texel_deg(s.tile.level)));
+    t.detail_log2 = static_cast<float>(texels.detail_log2);
+    t.parts = texels.parts ? 1.0f : 0.0f;
+    t.atlas_origin =
+        glm::vec2((b.west_deg - texels.west_deg) / whole_deg.x, (texels.north_deg - b.north_deg) / whole_deg.y);
+    t.atlas_size = glm::vec2(size_deg / whole_deg.x, size_deg / whole_deg.y);
     t.map_origin = glm::vec2((b.west_deg + 180.0) / 360.0, (90.0 - b.north_deg) / 180.0);
     t.map_size = glm::vec2(tile_size_deg(s.tile.level) / 360.0, tile_size_deg(s.tile.level) / 180.0);
     tiles.push_back(t);

@@ -77,7 +77,7 @@ class Terrain {
 
   struct Stats {
     uint32_t tiles_drawn = 0, tiles_loaded = 0;  ///< of the last prepare()
-    uint32_t tiles_missing = 0;                  ///< covered by coarser ones
+    uint32_t tiles_missing = 0;                  ///< covered by coarser ones, or by drafts (LoadedTile)
     uint64_t triangles = 0;
     uint32_t deepest_level = 0;
     double select_ms = 0.0, build_ms = 0.0, upload_ms = 0.0;
@@ -97,7 +97,11 @@ class Terrain {
   void select_streaming(const TerrainView& view, const TerrainWait& wait);
   void load(const std::vector<TileId>& missing, const TerrainWait& wait);
   void warn_of_error(double screen_error_px);
+  /// After a moment without their data; the rest comes later.
   void load_roots();
+  /// Uploads a tile, in place of what is there of it.
+  void put(const TileId& tile, const LoadedTile& loaded);
+  size_t unfinished_in_view() const;
   void start_loader();
   /// Uploads those that are in memory, within the budget of a frame, and asks for the others.
   void fetch(const std::vector<TileId>& wanted);
@@ -120,6 +124,8 @@ class Terrain {
   gpu::Image night_map_;
   TileAtlas atlas_;
   std::unordered_map<TileId, TileMeta> resident_metas_;  // streaming: of tiles that are or were in the atlas
+  enum class Unfinished { blank, draft };                // no data, or not all of it
+  std::unordered_map<TileId, Unfinished> unfinished_;    // streaming: tiles in the atlas
   std::vector<TileId> wanted_;                           // streaming: by the last prepare()
   uint64_t uploaded_bytes_ = 0;                          // streaming: in this frame
 

@@ -12,6 +12,7 @@
 #include "gpu/commands.h"
 #include "terrain/ground_texels.h"
 #include "terrain/terrain_volume.comp.h"
+#include "terrain/tile_reads.h"
 
 namespace nepho {
 
@@ -108,6 +109,11 @@ TerrainShadowMap::Made TerrainShadowMap::make(const HeightSampler& heights, cons
   return made;
 }
 
+TerrainShadowMap::~TerrainShadowMap() {
+  stop_ = true;
+  if (next_.valid()) next_.wait();
+}
+
 void TerrainShadowMap::show(const Made& made) {
   const shared::RegionMap& map = made.map;
   if (!image_ || map.levels != constants_.map.levels)
@@ -140,13 +146,21 @@ bool TerrainShadowMap::update(const HeightSampler& heights, const FrameInfo& fra
   }
   if (heights.highest_land_m() - heights.deepest_land_m() <= static_cast<double>(kEven_m)) return false;
   const shared::RegionMap map = region_for(frame, heights.highest_land_m());
-  if (next_.valid() && next_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) show(next_.get());
-  if (!image_ || heights_ != &heights || (!in_background && !serves(constants_.map, map))) {
+  if (next_.valid() && next_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    show(next_.get());
+    draft_ = false;
+  }
+  const bool serves_view = !draft_ && serves(constants_.map, map);
+  if (!image_ || heights_ != &heights || (!in_background && !serves_view)) {
+    // The first picture does not wait for a large raster to be read whole.
+    const TileReads reads(in_background ? TileReads::Extent::draft : TileReads::Extent::everything);
     update(heights, map);
-  } else if (!serves(constants_.map, map) && !next_.valid()) {
-    next_ = std::async(std::launch::async, [&heights, map] {
+    draft_ = reads.left_out() > 0;
+  } else if (!serves_view && !next_.valid()) {
+    next_ = std::async(std::launch::async, [this, &heights, map] {
       give_way();
       const OneCore one_core;
+      const TileReads reads(TileReads::Extent::everything, &stop_);
       return make(heights, map);
     });
   }

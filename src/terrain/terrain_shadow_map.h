@@ -1,4 +1,5 @@
 #pragma once
+#include <atomic>
 #include <future>
 #include <vector>
 
@@ -17,6 +18,9 @@ namespace nepho {
 class TerrainShadowMap {
  public:
   explicit TerrainShadowMap(gpu::Device& device) : device_(device) {}
+  ~TerrainShadowMap();
+  TerrainShadowMap(const TerrainShadowMap&) = delete;
+  TerrainShadowMap& operator=(const TerrainShadowMap&) = delete;
 
   /// Whether terrain may shade anything that a camera sees: not where the ground is even to a metre within the map, nor
   /// from near the ground when the key light is higher than any slope leans or far below the horizon. Samples the
@@ -59,7 +63,9 @@ class TerrainShadowMap {
   gpu::Image volume_;
   bool volume_filled_ = false;
   glm::vec3 volume_light_{0.0f};
-  std::future<Made> next_;  ///< being made in the background; its destructor waits
+  bool draft_ = false;             ///< what is shown lacks what would have taken long to read
+  std::atomic<bool> stop_{false};  ///< ends `next_`
+  std::future<Made> next_;         ///< being made in the background
 };
 
 /// Binds what terrain_shadow.glsl reads.

@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "base/parallel.h"
+#include "base/seconds_since.h"
 #include "terrain/terrain.h"
 #include "terrain/terrain_view.h"
 
@@ -15,6 +16,8 @@ constexpr float kArrivalFrames = 8.0f;
 /// Share of the slots that a view may use; the others hold what comes next.
 constexpr double kMostUsed = 0.8;
 constexpr uint64_t kUploadBytesPerFrame = 8u << 20;
+/// After this time the first picture does without what takes longer.
+constexpr double kRootPatience_s = 0.5;
 constexpr size_t kMostResidentMetas = 4 * TileAtlas::kMostSlots;
 
 /// Tiles as far as they are on the GPU.
@@ -65,10 +68,6 @@ class ResidentTiles final : public TileMetaSource {
   std::vector<Wish> wanted_;
 };
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 }  // namespace
 
 void Terrain::start_loader() {
@@ -83,17 +82,37 @@ void Terrain::load_roots() {
   std::vector<TileId> missing;
   for (uint32_t x = 0; x < 2; ++x)
     if (const TileId root{0, x, 0}; !atlas_.find(root)) missing.push_back(root);
-  std::vector<LoadedTile> made(missing.size());
-  parallel_for(missing.size(), [&](size_t i) {
-    made[i].meta = builder_.make_meta(missing[i]);
-    made[i].data = builder_.make_data(missing[i]);
-  });
-  std::vector<TileAtlas::Upload> uploads;
-  for (size_t i = 0; i < missing.size(); ++i) {
-    uploads.push_back({missing[i], &made[i].data});
-    resident_metas_[missing[i]] = made[i].meta;
+  if (missing.empty()) return;
+  const auto start = std::chrono::steady_clock::now();
+  const auto all_there = [&] {
+    return std::all_of(missing.begin(), missing.end(),
+                       [&](const TileId& root) { return loader_->find(root) != nullptr; });
+  };
+  loader_->request(missing);
+  while (!all_there() && seconds_since(start) < kRootPatience_s) loader_->wait(kRootPatience_s / 10.0);
+  for (const TileId& root : missing) {
+    if (const std::shared_ptr<const LoadedTile> loaded = loader_->find(root)) {
+      put(root, *loaded);
+      continue;
+    }
+    const TileReads no_data(TileReads::Extent::nothing);
+    const OneCore this_thread;
+    put(root, {builder_.make_meta(root), builder_.make_data(root), true});
+    unfinished_[root] = Unfinished::blank;
   }
-  atlas_.upload(uploads);
+}
+
+void Terrain::put(const TileId& tile, const LoadedTile& loaded) {
+  const TileAtlas::Upload upload{tile, &loaded.data};
+  atlas_.upload(std::span(&upload, 1));
+  if (resident_metas_.size() >= kMostResidentMetas)
+    std::erase_if(resident_metas_, [&](const auto& m) { return !atlas_.peek(m.first); });
+  resident_metas_[tile] = loaded.meta;
+  uploaded_bytes_ += TileAtlas::slot_bytes();
+  if (loaded.draft)
+    unfinished_[tile] = Unfinished::draft;
+  else
+    unfinished_.erase(tile);
 }
 
 void Terrain::select_streaming(const TerrainView& wanted_view, const TerrainWait& wait) {
@@ -119,7 +138,7 @@ void Terrain::select_streaming(const TerrainView& wanted_view, const TerrainWait
     fetch(wanted_);
     stats_.upload_ms += 1e3 * seconds_since(uploading);
     const double left_s = wait.at_most_s - seconds_since(start);
-    if (wanted_.empty() || left_s <= 0.0) break;
+    if ((wanted_.empty() && unfinished_in_view() == 0) || left_s <= 0.0) break;
     if (wait.on_progress) {
       const TileLoader::Stats at = loader_->stats();
       wait.on_progress(at.loaded - loaded_before, at.loaded - loaded_before + at.waiting);
@@ -128,7 +147,12 @@ void Terrain::select_streaming(const TerrainView& wanted_view, const TerrainWait
     uploaded_bytes_ = 0;
     atlas_.begin_frame();
   }
-  stats_.tiles_missing = static_cast<uint32_t>(wanted_.size());
+  stats_.tiles_missing = static_cast<uint32_t>(wanted_.size() + unfinished_in_view());
+}
+
+size_t Terrain::unfinished_in_view() const {
+  return static_cast<size_t>(std::count_if(selected_.begin(), selected_.end(),
+                                           [&](const SelectedTile& s) { return unfinished_.contains(s.tile); }));
 }
 
 void Terrain::fetch(const std::vector<TileId>& wanted) {
@@ -141,15 +165,23 @@ void Terrain::fetch(const std::vector<TileId>& wanted) {
       continue;
     }
     if (uploaded_bytes_ >= kUploadBytesPerFrame || !atlas_.has_room()) continue;
-    const TileAtlas::Upload upload{tile, &loaded->data};
-    atlas_.upload(std::span(&upload, 1));
-    if (resident_metas_.size() >= kMostResidentMetas)
-      std::erase_if(resident_metas_, [&](const auto& m) { return !atlas_.peek(m.first); });
-    resident_metas_[tile] = loaded->meta;
-    uploaded_bytes_ += TileAtlas::slot_bytes();
+    put(tile, *loaded);
     ++stats_.tiles_loaded;
   }
+  // What is in the atlas as a draft, or without data, is made anew once nothing is missing.
+  std::erase_if(unfinished_, [&](const auto& entry) { return !atlas_.peek(entry.first); });
+  std::vector<TileId> drafts;
+  for (const auto& [tile, state] : std::unordered_map(unfinished_)) {
+    const std::shared_ptr<const LoadedTile> loaded = loader_->find(tile);
+    if (!loaded)
+      missing.insert(missing.begin(), tile);
+    else if ((state == Unfinished::blank || !loaded->draft) && uploaded_bytes_ < kUploadBytesPerFrame)
+      put(tile, *loaded);
+    if (loaded && loaded->draft) drafts.push_back(tile);
+  }
+  std::sort(drafts.begin(), drafts.end(), [](const TileId& a, const TileId& b) { return b < a; });  // small ones first
   loader_->request(missing);
+  loader_->finish(drafts);
 }
 
 void Terrain::prefetch(const FrameInfo& frame) {

@@ -44,7 +44,7 @@ void TileAtlas::make_images(uint32_t slots) {
   vertices_ = {};
   imagery_ = device_.create_image({.name = "terrain.imagery",
                                    .extent = {shared::kTerrainImageryTexels, shared::kTerrainImageryTexels},
-                                   .format = Format::rgba8_srgb,
+                                   .format = Format::rgba8,
                                    .mip_levels = shared::kTerrainImageryMips,
                                    .layers = std::max(slots, 2u)});
   slopes_ = device_.create_image({.name = "terrain.slopes",
@@ -83,6 +83,7 @@ bool TileAtlas::has_room() const {
 }
 
 uint32_t TileAtlas::take_slot(const TileId& tile) {
+  if (const auto slot = find(tile)) return *slot;
   const auto oldest = std::min_element(slots_.begin(), slots_.end(), [](const Slot& a, const Slot& b) {
     return (a.used ? a.last_frame : 0) < (b.used ? b.last_frame : 0);
   });

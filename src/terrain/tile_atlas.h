@@ -41,10 +41,10 @@ class TileAtlas {
     TileId tile;
     const TileData* data;
   };
-  /// Copies tiles into slots; each needs has_room(). Returns when the data may go.
+  /// Copies tiles into slots, the one that a tile has already or one that has_room(). Returns when the data may go.
   void upload(std::span<const Upload> tiles);
 
-  const gpu::Image& imagery() const { return imagery_; }     ///< rgba8_srgb, a layer per slot; alpha: shore (TileData)
+  const gpu::Image& imagery() const { return imagery_; }     ///< rgba8 in sRGB codes, a layer per slot (TileData)
   const gpu::Image& slopes() const { return slopes_; }       ///< rg16f, a layer per slot
   const gpu::Buffer& vertices() const { return vertices_; }  ///< kTileVertices TileVertex per slot
   uint64_t bytes() const;                                    ///< on the GPU

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kMetresPerDegree = 6371008.8 * std::numbers::pi / 180.0;
 constexpr uint32_t kImageryTexels = shared::kTerrainImageryTexels;
+constexpr double kSlopesAcross = shared::kTerrainSlopeTexels - 2.0 * shared::kTerrainBorderTexels;
 constexpr uint32_t kSlopeTexels = shared::kTerrainSlopeTexels;
 constexpr uint32_t kBorder = shared::kTerrainBorderTexels;
 
@@ -22,25 +23,32 @@ constexpr uint32_t kBorder = shared::kTerrainBorderTexels;
 constexpr double kFiner = 0.75;
 /// Error that is assumed of data finer than the vertices besides what two levels show: metres per metre of spacing.
 constexpr double kUnseenRelief = 0.05;
-/// Largest texel on screen where the source has more detail, px at a screen error of 1 px.
-constexpr double kImageryTexelPx = 1.5, kSlopeTexelPx = 3.0;
+/// Largest slope texel on screen where the source has more detail, px at a screen error of 1 px.
+constexpr double kSlopeTexelPx = 3.0;
+
+/// The same of imagery, for a texel of `pixels` of the source (along each axis). A tile has its own shape in full where
+/// its parent's error is kMorphRange times what is allowed. So the finest texels are seen, sharp, where a pixel of the
+/// source is a pixel on screen: at 1.25, of a parent whose texels are two pixels; where the finest texels are half a
+/// pixel (RasterInfo::oversampling), one level more is needed by then, and the one above has to be beyond that.
+double imagery_texel_px(double pixels) {
+  if (pixels < 1.2) return 0.7;
+  return pixels < 2.4 ? 1.0 : 1.25;
+}
 /// Coast lines fade over this many texels to each side in alpha: a distance field that stays sharp when magnified.
 constexpr float kCoastTexels = 4.0f;
-
-double texel_deg(uint32_t level, uint32_t texels) { return tile_size_deg(level) / (texels - 2 * kBorder); }
 
 struct TexelGrid {
   std::vector<double> lat, lon;
 };
 
-/// Texel centres of an atlas layer, the border beyond the tile included.
-TexelGrid texel_grid(const TileId& tile, uint32_t texels) {
+/// Centres of a tile's slope texels, the border beyond the tile included.
+TexelGrid slope_grid(const TileId& tile) {
   const TileBounds b = tile_bounds(tile);
-  const double step = texel_deg(tile.level, texels);
+  const double step = slope_texel_deg(tile.level);
   TexelGrid g;
-  g.lat.resize(texels);
-  g.lon.resize(texels);
-  for (uint32_t i = 0; i < texels; ++i) {
+  g.lat.resize(kSlopeTexels);
+  g.lon.resize(kSlopeTexels);
+  for (uint32_t i = 0; i < kSlopeTexels; ++i) {
     const double offset = (static_cast<double>(i) - kBorder + 0.5) * step;
     g.lon[i] = b.west_deg + offset;
     g.lat[i] = std::clamp(b.north_deg - offset, -90.0, 90.0);
@@ -50,7 +58,7 @@ TexelGrid texel_grid(const TileId& tile, uint32_t texels) {
 
 }  // namespace
 
-double imagery_texel_deg(uint32_t level) { return texel_deg(level, kImageryTexels); }
+double slope_texel_deg(uint32_t level) { return tile_size_deg(level) / kSlopesAcross; }
 
 namespace {
 constexpr double kDeepestSagitta_m = 100.0;  // an aerosol scale height is 1200 m
@@ -76,9 +84,11 @@ double TileBuilder::least_error_m(const TileId& tile) const {
   // Twice the sagitta: silhouettes keep to half a pixel.
   double error = unseen_relief_m(tile) + 2.0 * sagitta_m(tile, ellipsoid_);
   const TileBounds bounds = tile_bounds(tile);
-  const double imagery_texel = texel_deg(tile.level, kImageryTexels), slope_texel = texel_deg(tile.level, kSlopeTexels);
-  if (imagery_.finest_pixel_deg(bounds) < kFiner * imagery_texel)
-    error = std::max(error, imagery_texel * kMetresPerDegree / kImageryTexelPx);
+  const double slope_texel = slope_texel_deg(tile.level);
+  const ImageryGrid texels = grid_of_imagery(tile);
+  if (texels.coarse_deg > 0.0)
+    error =
+        std::max(error, texels.coarse_deg * kMetresPerDegree / imagery_texel_px(texels.coarse_deg / texels.source_deg));
   if (ground_.finest_pixel_deg(bounds) < kFiner * slope_texel)
     error = std::max(error, slope_texel * kMetresPerDegree / kSlopeTexelPx);
   return error;
@@ -146,8 +156,9 @@ TileData TileBuilder::make_data(const TileId& tile) const {
 
 void TileBuilder::make_imagery(const TileId& tile, TileData& out) const {
   constexpr uint32_t n = kImageryTexels;
-  const TexelGrid g = texel_grid(tile, n);
-  const double texel = texel_deg(tile.level, n);
+  const ImageryGrid grid = grid_of_imagery(tile);
+  const TexelGrid g{grid.lats_deg(), grid.lons_deg()};
+  const double texel = grid.texel_deg();
   std::vector<float> land(n * n);
   ground_.land_field_m(g.lat, g.lon, texel, land.data());
   if (std::any_of(land.begin(), land.end(), [](float f) { return f <= 0.0f; })) {
@@ -197,9 +208,9 @@ void TileBuilder::make_imagery(const TileId& tile, TileData& out) const {
 
 void TileBuilder::make_slopes(const TileId& tile, TileData& out) const {
   constexpr uint32_t n = kSlopeTexels;
-  const TexelGrid g = texel_grid(tile, n);
+  const TexelGrid g = slope_grid(tile);
   std::vector<Slope> level(size_t{n} * n);
-  ground_.slopes(g.lat, g.lon, texel_deg(tile.level, n), level.data());
+  ground_.slopes(g.lat, g.lon, slope_texel_deg(tile.level), level.data());
   for (uint32_t mip = 0; mip < shared::kTerrainSlopeMips; ++mip) {
     const uint32_t side = n >> mip;
     std::vector<uint32_t> packed(size_t{side} * side);

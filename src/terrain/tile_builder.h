@@ -33,6 +33,10 @@ class TileBuilder {
   double least_error_m(const TileId& tile) const;
   HeightRange height_range() const;
   TileData make_data(const TileId& tile) const;
+  /// Where the texels of TileData::imagery lie.
+  ImageryGrid grid_of_imagery(const TileId& tile) const {
+    return imagery_grid(tile, imagery_.finest_lattice(tile_bounds(tile)));
+  }
 
  private:
   double unseen_relief_m(const TileId& tile) const;
@@ -59,7 +63,7 @@ class TileMetaCache final : public TileMetaSource {
   std::unordered_map<TileId, TileMeta> metas_;
 };
 
-/// Size of a texel of a tile's imagery, degrees.
-double imagery_texel_deg(uint32_t level);
+/// Size of a texel of a tile's slopes, degrees.
+double slope_texel_deg(uint32_t level);
 
 }  // namespace nepho

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Facts about bad rasters of --terrain and --imagery: the picture is drawn from what remains, with one warning per
-# source and exit status 0; with --strict it is an error of status 3 and nothing is written.
+# source and exit status 0; with --strict, and of --weather, it is an error of status 3 and nothing is written.
 # Usage: bad_ground_test.sh PATH-OF-NEPHO
 set -euo pipefail
 nepho=$1
@@ -42,6 +42,21 @@ refuses() {
     echo "ok: $(tail -n 1 err)"
   else
     echo "FAILED: --strict $*: status $status, not 3 with '$text'; standard error:"
+    cat err
+    failures=$((failures + 1))
+  fi
+}
+
+# rejects "text" arguments...: what must not be left out: status 3, one line that has the text, no picture
+rejects() {
+  local text=$1 status=0
+  shift
+  rm -f picture.*
+  timeout 120 "$nepho" render "${view[@]}" "$@" -o picture.png >out 2>err </dev/null || status=$?
+  if [[ $status == 3 && $(wc -l <err) == 1 && $(<err) == *"error: "*"$text"* && ! -s out && ! -e picture.png ]]; then
+    echo "ok: $(<err)"
+  else
+    echo "FAILED: $*: status $status, not 3 with one line that has '$text'; standard error:"
     cat err
     failures=$((failures + 1))
   fi
@@ -143,6 +158,7 @@ echo '{"terrain": {"source_timeout_s": 2}}' >hasty.json
 # GDAL keeps a lock while it opens what a VRT refers to: other rasters may not be opened any more.
 draws some 'hangs.vrt: does not answer within 2 s; left out' hasty.json --terrain hangs.vrt
 refuses 'hangs.vrt: does not answer' hasty.json --terrain hangs.vrt
+rejects 'hangs.vrt: does not answer within 2 s' hasty.json --weather hangs.vrt
 cat >server.py <<'PY'
 import http.server, struct, sys, time, zlib
 def png(r, g, b):
@@ -173,6 +189,8 @@ servers+=($!)
 for _ in $(seq 100); do [[ -s port ]] && break; sleep 0.1; done
 url=http://127.0.0.1:$(<port)
 draws 1 'hang' hasty.json --terrain "/vsicurl/$url/hang.tif"
+rejects '/hang.tif: does not answer within 2 s' hasty.json --weather "/vsicurl/$url/hang.tif"
+rejects '/hang.tif: does not answer within 2 s' hasty.json --water-mask "/vsicurl/$url/hang.tif" --strict
 draws 1 '127.0.0.1' hasty.json --imagery "$url/{z}/{x}/{y}.png"
 
 # A disk without room for the cache: a warning, and the same picture. Needs a file system of its own.

@@ -185,9 +185,10 @@ TEST_CASE("control points: the folder of tiles is the MBTiles file that was made
 TEST_CASE("control points: the folders of the real data are sources too") {
   const auto data = shared_data();
   if (data.empty()) return;
-  const auto dem = make_gdal_opener()->open_elevation((data / "dem").string());
-  CHECK(values_at(*dem, 138.7275, 35.3625) == std::vector<float>{3703});
-  CHECK(values_at(*dem, 8.5, 46.25) == std::vector<float>{2157});
-  CHECK(values_at(*dem, 1.5, 42.5) == std::vector<float>{1095});
-  CHECK(values_at(*dem, 50.0, 40.0).empty());
+  const auto dem = make_gdal_opener()->open_elevation_parts((data / "dem").string(), {});
+  REQUIRE(dem.size() == 3);  // by name; a degree each, far from each other
+  CHECK(values_at(*dem[0], 1.5, 42.5) == std::vector<float>{1095});
+  CHECK(values_at(*dem[1], 8.5, 46.25) == std::vector<float>{2157});
+  CHECK(values_at(*dem[2], 138.7275, 35.3625) == std::vector<float>{3703});
+  for (const auto& part : dem) CHECK(part->info().width == 1201);
 }

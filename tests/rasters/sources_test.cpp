@@ -1,4 +1,4 @@
-// What a source may be besides a file: folders, archives, other formats; and the settings of an entry of a stack.
+// What a source may be besides a GeoTIFF: archives, other formats, colours; and the settings of an entry of a stack.
 #include <doctest/doctest.h>
 #include <gdal_utils.h>
 #include <sys/stat.h>
@@ -7,32 +7,13 @@
 #include <future>
 
 #include "base/error.h"
-#include "rasters/gdal_opener.h"
-#include "rasters/http_server.h"
-#include "rasters/raster_test_tools.h"
+#include "rasters/source_test_tools.h"
 
 using namespace nepho;
 using namespace nepho::test;
 namespace fs = std::filesystem;
 
 namespace {
-
-std::shared_ptr<Raster> elevation(const std::string& path, const RasterReading& how = {}) {
-  return make_gdal_opener()->open_elevation(path, how);
-}
-std::shared_ptr<Raster> imagery(const std::string& path, const RasterReading& how = {}) {
-  return make_gdal_opener()->open_imagery(path, how);
-}
-
-/// One degree square with its south-west corner at (lon, lat): one height.
-RasterRecipe square(double lon, double lat, double height_m, int side = 20) {
-  return {.width = side,
-          .height = side,
-          .type = GDT_Int16,
-          .geotransform = {lon, 1.0 / side, 0, lat + 1, 0, -1.0 / side},
-          .crs = "EPSG:4326",
-          .value = [=](int, int, int) { return height_m; }};
-}
 
 std::string copy_as(const std::string& driver, const std::string& from, const fs::path& to,
                     std::initializer_list<const char*> options = {}) {
@@ -51,83 +32,6 @@ std::string copy_as(const std::string& driver, const std::string& from, const fs
 }
 
 }  // namespace
-
-TEST_CASE("folders: all rasters in a folder and below are one source, and the rest is skipped with one line") {
-  const TempFolder folder;
-  fs::create_directories(folder / "dem/east/deep");
-  make_raster(folder / "dem/a.tif", square(10, 45, 100));
-  make_raster(folder / "dem/b.tif", square(12, 45, 300));
-  make_raster(folder / "dem/east/deep/c.tif", square(11, 46, 200, 40));
-  make_raster(folder / "dem/z_over_b.tif", square(12.5, 45, 777));
-  std::ofstream(folder / "dem/README.txt") << "heights";
-  std::ofstream(folder / "dem/a.tif.aux.xml") << "<PAMDataset></PAMDataset>";
-  const std::string name = (folder / "dem").string();
-  StderrCapture capture;
-  const auto raster = elevation(name);
-  const std::string said = capture.text();
-  CHECK(said ==
-        "nepho: warning: " + name + ": 1 of 5 files skipped, as they are no rasters or have other bands: README.txt\n");
-  CHECK(raster->info().path == name);
-  CHECK(raster->info().bounds.west_deg == doctest::Approx(10));
-  CHECK(raster->info().bounds.east_deg == doctest::Approx(13.5));
-  CHECK(raster->info().bounds.north_deg == doctest::Approx(47));
-  CHECK(values_at(*raster, 10.5, 45.5) == std::vector<float>{100});
-  CHECK(values_at(*raster, 12.2, 45.5) == std::vector<float>{300});
-  CHECK(values_at(*raster, 12.8, 45.5) == std::vector<float>{777});  // later names over earlier ones
-  CHECK(values_at(*raster, 11.5, 46.5) == std::vector<float>{200});
-  CHECK(values_at(*raster, 11.5, 45.5).empty());  // between them
-}
-
-TEST_CASE("folders: rasters of several coordinate systems are put together in longitude and latitude") {
-  const TempFolder folder;
-  fs::create_directories(folder / "dem");
-  make_raster(folder / "dem/lonlat.tif", square(10, 45, 100));
-  RasterRecipe utm = square(0, 0, 250, 100);  // zone 32: 9 degrees east is at 500 km
-  utm.crs = "EPSG:32632";
-  utm.geotransform = {600000, 1000, 0, 5300000, 0, -1000};  // 10.34..11.6 E, 46.9..47.8 N
-  make_raster(folder / "dem/utm.tif", utm);
-  const auto raster = elevation((folder / "dem").string());
-  CHECK(values_at(*raster, 10.5, 45.5) == std::vector<float>{100});
-  REQUIRE(values_at(*raster, 11.0, 47.4).size() == 1);
-  CHECK(values_at(*raster, 11.0, 47.4)[0] == doctest::Approx(250));
-  CHECK(values_at(*raster, 10.0, 47.4).empty());
-  CHECK(values_at(*raster, 11.5, 46.5).empty());
-}
-
-TEST_CASE("folders: parts far from each other cost what the parts cost") {
-  const TempFolder folder;
-  fs::create_directories(folder / "dem");
-  for (const double lon : {-150.0, 150.0})
-    make_raster(folder / ("dem/" + std::to_string(lon) + ".tif"), square(lon, 60, 500, 1200));
-  const auto raster = elevation((folder / "dem").string());
-  CHECK(raster->info().width == 301 * 1200);
-  // At 8 x 8 pixels this is 36 times 1200 rows of 10,000 pixels; only the ends are read.
-  int with_data = 0;
-  for (uint32_t bx = 0; bx < 177; ++bx) {
-    const Result<RasterBlock> block = raster->read_block(3, bx, 0);
-    REQUIRE(static_cast<bool>(block));
-    CHECK(block->values.size() == block->valid.size());
-    if (std::ranges::count(block->valid, 1) == 0) continue;
-    ++with_data;
-    CHECK(*std::ranges::max_element(block->values) == 500.0f);
-  }
-  CHECK(with_data == 3);  // the east one lies on two blocks: columns 360,000.. are 175.8.. times 2,048
-}
-
-TEST_CASE("folders: pictures leave gaps open, and a reduction of the mosaic averages what there is") {
-  const TempFolder folder;
-  fs::create_directories(folder / "pics");
-  for (const double lon : {10.0, 12.0}) {
-    RasterRecipe picture = square(lon, 45, lon);
-    picture.bands = 3;
-    picture.type = GDT_Byte;
-    make_raster(folder / ("pics/" + std::to_string(lon) + ".tif"), picture);
-  }
-  const auto raster = imagery((folder / "pics").string());
-  CHECK(values_at(*raster, 10.5, 45.5) == std::vector<float>{10, 10, 10, 255});
-  CHECK(values_at(*raster, 12.5, 45.5) == std::vector<float>{12, 12, 12, 255});
-  CHECK(values_at(*raster, 11.5, 45.5).empty());
-}
 
 TEST_CASE("formats: the same heights come back from every format that GDAL writes here") {
   const TempFolder folder;
@@ -166,45 +70,6 @@ TEST_CASE("formats: the same heights come back from every format that GDAL write
   }());
   const std::string jp2 = copy_as("JP2OpenJPEG", jp2_source, folder / "b.jp2", {"QUALITY=100", "REVERSIBLE=YES"});
   if (!jp2.empty()) CHECK(read_all(*imagery(jp2)).values == read_all(*imagery(jp2_source)).values);
-}
-
-TEST_CASE("formats: /vsicurl/ and GDAL's descriptions of tile services work over the network") {
-  const TempFolder folder;
-  RasterRecipe recipe = square(10, 45, 0, 300);
-  recipe.value = [](int, int x, int y) { return x + y; };
-  const std::string tif = make_raster(folder / "a.tif", recipe);
-  RasterRecipe tile{.width = 256,
-                    .height = 256,
-                    .bands = 3,
-                    .type = GDT_Byte,
-                    .value = [](int b, int, int) { return 40 + b; },
-                    .driver = "PNG"};
-  make_raster(folder / "tile.png", tile);
-  const HttpServer server([&](const std::string& path) -> HttpServer::Answer {
-    if (path == "/a.tif") return {.body = bytes_of(tif)};
-    if (path.starts_with("/t/")) return {.body = bytes_of(folder / "tile.png")};
-    return {.status = 404};
-  });
-  const auto raster = elevation("/vsicurl/" + server.url() + "/a.tif");
-  CHECK(read_all(*raster).values == read_all(*elevation(tif)).values);
-  CHECK(raster->info().fingerprint.find("180") != std::string::npos);  // the size of the file is part of it
-  CHECK(message_of([&] { elevation("/vsicurl/" + server.url() + "/none.tif"); }, ErrorKind::input)
-            .find("does not exist") != std::string::npos);
-  const std::string service =
-      "<GDAL_WMS><Service name=\"TMS\"><ServerUrl>" + server.url() +
-      "/t/${z}/${x}/${y}.png</ServerUrl></Service><DataWindow>"
-      "<UpperLeftX>-20037508.34</UpperLeftX><UpperLeftY>20037508.34</UpperLeftY>"
-      "<LowerRightX>20037508.34</LowerRightX><LowerRightY>-20037508.34</LowerRightY>"
-      "<TileLevel>3</TileLevel><YOrigin>top</YOrigin></DataWindow><Projection>EPSG:3857</Projection>"
-      "<BlockSizeX>256</BlockSizeX><BlockSizeY>256</BlockSizeY><BandsCount>3</BandsCount></GDAL_WMS>";
-  for (const std::string& name : {service, [&] {
-                                    std::ofstream(folder / "service.xml") << service;
-                                    return (folder / "service.xml").string();
-                                  }()}) {
-    const auto tiles = imagery(name);
-    CHECK(values_at(*tiles, 50, 30) == std::vector<float>{40, 41, 42, 255});
-    CHECK(tiles->pyramid_level(tiles->reductions() - 1) > 0);
-  }
 }
 
 TEST_CASE("warped data: overviews are used, so that far looks read little") {
@@ -345,10 +210,4 @@ TEST_CASE("bad input: pipes and devices are refused, not waited for") {
     for (const bool heights : {false, true})
       CHECK(message_of([&] { heights ? elevation(name) : imagery(name); }, ErrorKind::input) ==
             name + ": is a pipe or device; give a file");
-}
-
-TEST_CASE("bad input: a server that says nothing fails after the timeout") {
-  const HttpServer server([](const std::string&) -> HttpServer::Answer { return {.silent = true}; });
-  const std::string name = "/vsicurl/" + server.url() + "/a.tif";
-  CHECK(message_of([&] { elevation(name, {.timeout_s = 0.3}); }, ErrorKind::input).find(name) == 0);
 }

@@ -77,7 +77,8 @@ TEST_CASE("tiles: a folder of XYZ tiles is a source by itself, named by folder o
     CHECK(capture.text().empty());
     CHECK(raster->info().path == name);
     CHECK(raster->info().wraps);
-    CHECK(raster->info().width == 1024);
+    CHECK(raster->info().width == 2 * 1024);  // warped to half the pixel
+    CHECK(raster->info().oversampling == 2.0);
     CHECK(std::abs(raster->info().bounds.north_deg - 85.0511288) < 1e-6);
     CHECK(std::abs(raster->info().bounds.south_deg + 85.0511288) < 1e-6);
     check_world(*raster);
@@ -97,13 +98,13 @@ TEST_CASE("tiles: tiles of 512 px are twice as fine, and other layouts of names 
   const TempFolder folder;
   write_world(folder / "big", false, 512);
   const auto big = imagery((folder / "big").string());
-  CHECK(big->info().width == 2048);
+  CHECK(big->info().width == 2 * 2048);
   check_world(*big);
   for (int x = 0; x < 2; ++x)
     for (int y = 0; y < 2; ++y)
       write_tile(folder / ("flat/1_" + std::to_string(y) + "_" + std::to_string(x) + "@2.png"), {7, x, y});
   const auto flat = imagery((folder / "flat/{z}_{y}_{x}@2.png").string());
-  CHECK(flat->info().width == 512);
+  CHECK(flat->info().width == 2 * 512);
   CHECK(values_at(*flat, 90, -45) == std::vector<float>{7, 1, 1, 255});
 }
 
@@ -126,14 +127,14 @@ TEST_CASE("tiles: reductions come from the coarser zooms, and zooms can be limit
   const TempFolder folder;
   write_world(folder / "tiles");
   const auto raster = imagery((folder / "tiles").string());
-  for (uint32_t k = 0; k <= 2; ++k) {
+  for (uint32_t k = 0; k <= 3; ++k) {
     CAPTURE(k);
     CHECK(raster->pyramid_level(k) == k);
     CHECK(raster->read_block(k, 0, 0)->values[4 * (100 * raster->read_block(k, 0, 0)->width + 100)] ==
-          102.0f - static_cast<float>(k));
+          102.0f - static_cast<float>(std::max(k, 1u) - 1));
   }
   const auto coarse = imagery((folder / "tiles").string(), {.max_zoom = 1});
-  CHECK(coarse->info().width == 512);
+  CHECK(coarse->info().width == 2 * 512);
   CHECK(values_at(*coarse, 90, -45) == std::vector<float>{101, 10, 10, 255});
   const auto fine = imagery((folder / "tiles").string(), {.min_zoom = 2});
   CHECK(fine->read_block(2, 0, 0)->values[4 * (100 * fine->read_block(2, 0, 0)->width + 100)] == 102.0f);
@@ -141,7 +142,31 @@ TEST_CASE("tiles: reductions come from the coarser zooms, and zooms can be limit
         (folder / "tiles").string() + ": no tiles found between min_zoom and max_zoom");
 }
 
-TEST_CASE("tiles: a missing tile is a hole, and a few tiles bound the raster") {
+TEST_CASE("tiles: a missing tile or zoom is covered by the nearest coarser one that is there") {
+  const TempFolder folder;
+  write_world(folder / "t");
+  fs::remove(folder / "t/2/1/1.png");
+  fs::remove_all(folder / "t/1");
+  // A picture of four colours, to see which part of it is taken.
+  make_raster(folder / "t/0/0/0.png",
+              {.width = 256,
+               .height = 256,
+               .bands = 3,
+               .type = GDT_Byte,
+               .value = [](int b, int x, int y) { return b == 0   ? 50
+                                                         : b == 1 ? x / 64
+                                                                  : y / 64; },
+               .driver = "PNG"});
+  const auto raster = imagery((folder / "t").string());
+  CHECK(values_at(*raster, -45, 20) == std::vector<float>{50, 1, 1, 255});
+  CHECK(values_at(*raster, 45, 20) == std::vector<float>{102, 20, 10, 255});
+  // Reduction 2 is zoom 1, which is not there at all.
+  const RasterBlock coarse = *raster->read_block(2, 1, 1);
+  CHECK(std::vector<float>(&coarse.values[4 * (40 * coarse.width + 40)],
+                           &coarse.values[4 * (40 * coarse.width + 40)] + 2) == std::vector<float>{50, 2});
+}
+
+TEST_CASE("tiles: without coarser zooms a missing tile is a hole, and a few tiles bound the raster") {
   const TempFolder folder;
   write_tile(folder / "t/4/8/5.png", {1, 2, 3});
   write_tile(folder / "t/4/10/6.png", {4, 5, 6});
@@ -225,7 +250,8 @@ TEST_CASE("tiles: tiles of plain heights are elevation as they are") {
   CHECK(values_at(*raster, 90, 10).empty());
 }
 
-TEST_CASE("tiles: a URL template asks a server; what it lacks are holes, and its failures fail the block") {
+TEST_CASE(
+    "tiles: a URL template asks a server; what it lacks comes from coarser zooms, and its failures fail the block") {
   const TempFolder folder;
   write_world(folder / "tiles");
   const HttpServer server([&](const std::string& path) -> HttpServer::Answer {
@@ -237,15 +263,15 @@ TEST_CASE("tiles: a URL template asks a server; what it lacks are holes, and its
   });
   const std::string name = server.url() + "/{z}/{x}/{y}.png";
   const auto raster = imagery(name, {.max_zoom = 2});
-  CHECK(raster->info().width == 1024);
+  CHECK(raster->info().width == 2 * 1024);
   CHECK(values_at(*raster, 30, 20) == std::vector<float>{102, 20, 10, 255});
-  CHECK(values_at(*raster, -45, 20).empty());
-  const auto broken = raster->read_block(0, 3, (raster->info().height - 1) / 256);
+  CHECK(values_at(*raster, -45, 20) == std::vector<float>{101, 0, 0, 255});  // of zoom 1
+  const auto broken = raster->read_block(0, 7, (raster->info().height - 1) / 256);
   REQUIRE_FALSE(broken);
   CHECK(broken.reason().find(name) == 0);
   CHECK(broken.reason().find("500") != std::string::npos);
   const size_t before = server.asked().size();
-  CHECK(raster->read_block(2, 0, 0)->values[4 * (100 * raster->read_block(2, 0, 0)->width + 100)] == 100.0f);
+  CHECK(raster->read_block(3, 0, 0)->values[4 * (100 * raster->read_block(3, 0, 0)->width + 100)] == 100.0f);
   CHECK(server.asked().size() <= before + 1);  // zoom 0 and nothing else
 }
 
@@ -255,7 +281,7 @@ TEST_CASE("tiles: a service of the whole Earth in 20 zooms is one raster, and a 
   const HttpServer server(
       [&](const std::string&) -> HttpServer::Answer { return {.body = bytes_of(folder / "a.png")}; });
   const auto raster = imagery(server.url() + "/{z}/{x}/{-y}");
-  CHECK(raster->info().width == 256u << 19);
+  CHECK(raster->info().width == 256u << 20);
   CHECK(values_at(*raster, 138.7275, 35.3625) == std::vector<float>{10, 20, 30, 255});
   const uint32_t last = raster->reductions() - 1;
   CHECK(raster->read_block(last, 0, 0)->values[0] == 10.0f);

@@ -131,9 +131,9 @@ TEST_CASE("gpu: every picture of the shared data is drawn in the right place and
     if (path.empty()) continue;
     const GdalTruth source(picture.truth ? shared_data(picture.truth) : path);
     REQUIRE(source.good());
-    // One pixel of the picture for one of the source.
+    // One pixel of the picture for one of the source, along its shorter side.
     const GdalTruth::Pixel middle = source.pixel_at(picture.lat, picture.lon);
-    const double pixel_m = source.pixel_deg(middle.x, middle.y) * 111.2e3;
+    const double pixel_m = source.pixel_m(middle.x, middle.y);
     Scene scene = scene_above(picture.lat, picture.lon);
     scene.imagery.files.push_back({.path = path});
     scene.camera.height_m = pixel_m * kHeight / (2.0 * std::tan(rad_from_deg(22.5)));
@@ -172,5 +172,7 @@ TEST_CASE("gpu: every picture of the shared data is drawn in the right place and
     CHECK(contrast > 0.05);  // there is something to see
     CHECK(off == 0);
     CHECK(outside == 0);
+    // A pixel that covers one of the source has its mean there, which is the bilinear value at the pixel's centre.
+    CHECK(static_cast<double>(near) >= 0.99 * static_cast<double>(compared));
   }
 }

@@ -54,8 +54,15 @@ class GdalTruth {
   }
   int width() const { return dataset_->GetRasterXSize(); }
   int height() const { return dataset_->GetRasterYSize(); }
-  /// Size of a pixel at a place from north to south, degrees.
-  double pixel_deg(double px, double py) const { return std::abs(place_of(px, py)[0] - place_of(px, py + 1.0)[0]); }
+  /// The shorter side of a pixel at a place, m on the ground.
+  double pixel_m(double px, double py) const {
+    const auto at = place_of(px, py), down = place_of(px, py + 1.0), aside = place_of(px + 1.0, py);
+    const double cos_lat = std::cos(at[0] * 3.14159265358979 / 180.0);
+    const auto length = [&](const std::array<double, 2>& to) {
+      return 111.2e3 * std::hypot(to[0] - at[0], (to[1] - at[1]) * cos_lat);
+    };
+    return std::min(length(down), length(aside));
+  }
 
   struct Range {
     double low = 1e300, high = -1e300;

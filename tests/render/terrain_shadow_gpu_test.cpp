@@ -113,6 +113,26 @@ TEST_CASE(
   CHECK(partly > 0);
 }
 
+TEST_CASE("gpu: from far beyond the Earth's size mountains take no light from the globe's air") {
+  GpuFixture gpu;
+  double sums[2];
+  for (const bool shadows : {false, true}) {
+    Scene scene = by_the_wall(0.0, 20.03, 40e6, 20.0, shadows);
+    scene.time = "2026-03-20T08:40:00Z";  // the sun 60 degrees high; blocks of 2 x 2 pixels, 300 km wide
+    scene.camera.pitch_deg = -90.0;
+    scene.shafts.method = "shadow-length";
+    scene.render.width = 96;
+    scene.render.height = 96;
+    Renderer renderer(gpu.device, wall(), scene);
+    RenderRequest request;
+    request.display = false;
+    const ImageBuffer layers = std::move(renderer.render(request).layers);
+    double& sum = sums[shadows ? 1 : 0] = 0.0;
+    for (const float value : channel(layers, "B")) sum += static_cast<double>(value);
+  }
+  CHECK(sums[1] == doctest::Approx(sums[0]).epsilon(0.01));
+}
+
 TEST_CASE("gpu: haze behind a wall is dark below its shadow's edge and lit above it, by each method of shafts") {
   GpuFixture gpu;
   for (const std::string method : {"shadow-length", "froxel"}) {

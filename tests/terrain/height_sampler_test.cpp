@@ -84,6 +84,40 @@ TEST_CASE("voids keep the shapes of what lies below, lifted to their rim; large 
   CHECK(height_deg(s, 5.0, 3.4) > hills(5.0, 3.4) - 200.0);
 }
 
+TEST_CASE("the default data are bent to a finer raster's edge around it, less and less over one and a half pixels") {
+  // Default: hills, one pixel a degree. Above: 700 m higher, and rough.
+  const auto world = raster_of(360, 180, {}, [](double, double lon) { return lon < 20.0 ? 400.0 : -60.0; });
+  const auto relief = [](double lat, double lon) {
+    return 1100.0 + 50.0 * std::sin(20.0 * lat) * std::cos(15.0 * lon);
+  };
+  const auto dem = raster_of(320, 320, {10.0, 10.0, 14.0, 14.0}, relief);
+  const HeightSampler s({world, dem}, true, nullptr), plain({world}, true, nullptr);
+  // Across the western, southern and northern edges and a corner: no step, and far from it nothing.
+  double step = 0.0, before = height_deg(s, 12.0, 8.0);
+  CHECK(before == 400.0);
+  for (double t = 0.0; t < 3.0; t += 0.002) {
+    const double h = height_deg(s, 12.0, 8.0 + t);
+    step = std::max(step, std::abs(h - before));
+    before = h;
+  }
+  CHECK(step < 4.0);  // 700 m over a degree and a half, and the relief's 50 m x 15 / degree
+  for (const auto& [lat, lon] :
+       {std::pair{9.999, 12.3}, {14.001, 11.1}, {14.001, 14.001}, {9.999, 9.999}, {11.0, 14.001}})
+    CHECK(height_deg(s, lat, lon) ==
+          doctest::Approx(height_deg(s, std::clamp(lat, 10.01, 13.99), std::clamp(lon, 10.01, 13.99))).epsilon(0.02));
+  for (const auto& [lat, lon] : {std::pair{8.45, 12.0}, {15.55, 12.0}, {12.0, 15.6}, {15.2, 15.2}, {-12.0, 12.0}})
+    CHECK(height_deg(s, lat, lon) == height_deg(plain, lat, lon));
+  // Slopes follow: up towards the raster.
+  const double lats[] = {12.0}, lons[] = {9.25, 7.5};
+  Slope slopes[2];
+  s.slopes(lats, lons, 0.01, slopes);
+  CHECK(slopes[0].east > 0.5f * 700.0f / (1.5f * 111195.0f));
+  CHECK(slopes[1].east == 0.0f);
+  // The sea beside a raster stays sea.
+  const HeightSampler shore({world, raster_of(320, 320, {16.0, 10.0, 20.0, 14.0}, relief)}, true, nullptr);
+  CHECK(height_deg(shore, 12.0, 20.6) == 0.0);
+}
+
 TEST_CASE("the sea that a raster leaves out stays sea") {
   const auto world = raster_of(360, 180, {}, [](double, double lon) { return lon < 8.0 ? -60.0 : 20.0; });
   const auto shore =

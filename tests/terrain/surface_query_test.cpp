@@ -230,6 +230,27 @@ TEST_CASE("ice: bright and colourless pictures over cold seas are ice; clouds ov
   CHECK(rgbx[8] > 240.0f);   // the sea beside it got the land's
 }
 
+TEST_CASE("a map with white seas freezes no sea, and hides no ice of the picture below") {
+  const auto world = raster_of(720, 360, {}, [](double, double lon) { return lon < 0.0 ? 300.0 : -50.0; });
+  const HeightSampler ground({world}, true, nullptr);
+  const auto photo = picture_of(
+      720, 360, {}, [](double lat, double) { return lat > 70.0 ? glm::vec3(250.0f) : glm::vec3(10, 20, 60); });
+  const auto map =
+      picture_of(720, 360, {}, [](double, double lon) { return lon < 0.0 ? glm::vec3(235.0f) : glm::vec3(255.0f); });
+  const double lats[] = {80.0, 60.0}, lons[] = {30.0};
+  float found[2];
+  ImagerySampler({map}, ground).over_water(lats, lons, 0.1, found);
+  CHECK(found[0] <= 0.0f);
+  CHECK(found[1] <= 0.0f);
+  ImagerySampler({photo, map}, ground).over_water(lats, lons, 0.1, found);
+  CHECK(found[0] > 0.0f);
+  CHECK(found[1] <= 0.0f);
+  // A polar picture that is all ice is believed: it shows no warm sea.
+  ImagerySampler({picture_of(360, 60, {-180, 60, 180, 90}, [](double, double) { return glm::vec3(250.0f); })}, ground)
+      .over_water(lats, lons, 0.1, found);
+  CHECK(found[0] > 0.0f);
+}
+
 TEST_CASE("a picture much finer than elevation shows what it has over the sea, but for deep water") {
   const float sea[] = {10, 20, 60}, noise[] = {4, 8, 6}, bank[] = {60, 150, 190}, cloud[] = {220, 220, 225},
               forest[] = {25, 45, 20};

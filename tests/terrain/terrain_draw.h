@@ -13,8 +13,8 @@ struct DrawnTerrain {
 };
 
 /// Draws a view with the terrain's passes alone.
-inline DrawnTerrain draw_terrain(GpuFixture& gpu, Terrain& terrain, FrameInfo frame) {
-  terrain.prepare(frame);
+inline DrawnTerrain draw_terrain(GpuFixture& gpu, Terrain& terrain, FrameInfo frame, const TerrainWait& wait = {}) {
+  terrain.prepare(frame, wait);
   FrameGraph graph;
   frame.buffer = graph.constants("frame", frame.constants);
   const Terrain::Outputs out = terrain.add(graph, frame);

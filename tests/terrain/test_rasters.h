@@ -10,8 +10,8 @@
 
 namespace nepho::test {
 
-/// A raster of any size whose pixel (x, y) is 2 x + 3 y + 1, so that the mean of any rectangle is known. What it does
-/// before it delivers a block can be said.
+/// A raster of any size whose pixel (x, y) is 2 x + 3 y + 1 (times a factor), so that the mean of any rectangle is
+/// known. What it does before it delivers a block can be said.
 class PlaneRaster final : public Raster {
  public:
   PlaneRaster(uint32_t width, uint32_t height, std::string name = "plane") {
@@ -24,7 +24,7 @@ class PlaneRaster final : public Raster {
   double mean(uint32_t reduction, uint32_t x, uint32_t y) const {
     const uint32_t step = 1u << reduction;
     const double x1 = std::min((x + 1) * step, info_.width) - 1.0, y1 = std::min((y + 1) * step, info_.height) - 1.0;
-    return 2.0 * (x * step + x1) / 2.0 + 3.0 * (y * step + y1) / 2.0 + 1.0;
+    return value_scale * (2.0 * (x * step + x1) / 2.0 + 3.0 * (y * step + y1) / 2.0 + 1.0);
   }
   const RasterInfo& info() const override { return info_; }
   uint32_t reductions() const override { return reduction_count(info_.width, info_.height); }
@@ -47,6 +47,7 @@ class PlaneRaster final : public Raster {
 
   RasterInfo info_;
   bool has_pyramid = false;
+  double value_scale = 1.0;
   /// False: the read fails. `number` counts reads, from 1.
   std::function<bool(uint32_t reduction, uint32_t bx, uint32_t by, uint64_t number)> before;
   mutable std::atomic<uint64_t> reads{0};
