@@ -32,16 +32,22 @@ constexpr double kGrowth = 5.0;
 constexpr uint32_t kScreenMarchSteps = 8;
 /// Angle that the side of a block of pixels covers at most: 0.5 degrees.
 constexpr double kWidestBlock_rad = 0.0087;
+/// Side of blocks in large pictures: a quarter of a degree, and so many rows of them, at most.
+constexpr double kBlock_rad = 0.0044, kBlockRows = 270.0, kMostBlock_px = 8.0;
 /// Optical depth of what glows around the sun over clouds, at screen_glow 1.
 constexpr double kGlowDepth = 0.02;
 
 uint32_t blocks_of(uint32_t pixels, uint32_t side) { return (pixels + side - 1) / side; }
 
 /// With haze every pixel has a ray of its own: what lies low over distant ground changes from row to row. So it has
-/// where blocks would be wider than shafts: in small pictures, which cost little.
+/// where blocks would be wider than shafts: in small pictures, which cost little. Shafts are as wide in large pictures
+/// as in small ones, and blocks grow with their pixels.
 uint32_t block_side(const FrameInfo& frame, const ShaftParams& params, const std::vector<HazeLayer>& haze) {
-  const double most = kWidestBlock_rad / static_cast<double>(frame.constants.pixel_angle_rad);
-  return haze.empty() ? static_cast<uint32_t>(std::clamp(most, 1.0, static_cast<double>(params.downscale))) : 1;
+  if (!haze.empty()) return 1;
+  const double pixel_rad = static_cast<double>(frame.constants.pixel_angle_rad);
+  const double wanted = std::max(static_cast<double>(params.downscale),
+                                 std::min({kBlock_rad / pixel_rad, frame.extent.height / kBlockRows, kMostBlock_px}));
+  return static_cast<uint32_t>(std::clamp(kWidestBlock_rad / pixel_rad, 1.0, wanted));
 }
 
 /// Whose shade is drawn, and geodetic height that it does not reach.

@@ -86,7 +86,7 @@ void describe(FieldVisitor& v, ShaftParams& p) {
          &p.steps);
   v.leaf({.name = "downscale",
           .doc = "side of the blocks of pixels that share a ray, of shadow-length and screen; less where that is more "
-                 "than half a degree",
+                 "than half a degree, more in pictures of over 540 rows",
           .unit = "px",
           .range = closed(1, 8)},
          &p.downscale);
