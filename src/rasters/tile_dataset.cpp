@@ -76,7 +76,7 @@ class TileDataset final : public GDALDataset {
     bool failed = false;
     GDALDatasetUniquePtr tile;
     Part part;
-    for (int up = 0; !tile && !failed && zoom_ - up >= tiles_.min_zoom && (tiles_.tile_px >> up) > 0; ++up) {
+    for (int up = 0; !tile && !failed && zoom_ - up >= tiles_.coarsest_zoom && (tiles_.tile_px >> up) > 0; ++up) {
       tile = open_tile_file(tile_name(tiles_, zoom_ - up, x >> up, y >> up), failed);
       const double size = std::ldexp(1.0, -up);
       part = {static_cast<double>(x - ((x >> up) << up)) * size, static_cast<double>(y - ((y >> up) << up)) * size,

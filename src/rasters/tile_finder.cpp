@@ -158,6 +158,7 @@ void find_local_tiles(TileSet& tiles, const std::string& path, const RasterReadi
     tiles.x1 = all ? east : tiles_across(tiles, zoom);
     tiles.y0 = all ? north : 0;
     tiles.y1 = all ? south : tiles_down(tiles, zoom);
+    tiles.coarsest_zoom = zooms.back();
     tiles.min_zoom = zoom;
     while (std::find(zooms.begin(), zooms.end(), tiles.min_zoom - 1) != zooms.end()) --tiles.min_zoom;
     return;
@@ -243,7 +244,7 @@ TileSet find_tiles(const std::string& path, const std::string& tile_template, co
     find_local_tiles(tiles, path, how);
     tile = first_local_tile(tiles, path, messages);
   } else {
-    tiles.min_zoom = how.min_zoom;
+    tiles.min_zoom = tiles.coarsest_zoom = how.min_zoom;
     tiles.max_zoom = std::max(how.min_zoom, how.max_zoom >= 0 ? how.max_zoom
                                             : elevation       ? kUrlZoomElevation
                                                               : kUrlZoomImagery);

@@ -9,7 +9,8 @@ namespace nepho {
 struct TileSet {
   std::string name;  ///< of a tile, with {z}, {x} and {y} (from the north) or {-y} (from the south)
   bool geodetic = false;
-  int min_zoom = 0, max_zoom = 0;
+  int min_zoom = 0, max_zoom = 0;  ///< without a gap between them
+  int coarsest_zoom = 0;           ///< whose tiles stand in for missing ones
   int tile_px = 256;
   bool heights = false;  ///< tiles of one band that are heights as they are; otherwise pictures, which become RGBA
   bool bytes = true;     ///< pictures: 8 bits

@@ -63,9 +63,11 @@ ImageryGrid imagery_grid(const TileId& tile, const std::optional<PixelLattice>& 
   if (finest)
     p = *finest;
   else
-    p = {b.west_deg, b.north_deg, kNoPicture * size, kNoPicture * size, 1.0};
-  // Rasters across the antimeridian go on past 180.
-  const double west = p.west_deg + 360.0 * std::round((b.west_deg - p.west_deg) / 360.0);
+    p = {b.west_deg, b.north_deg, kNoPicture * size, kNoPicture * size, 1.0, 0.5 * (b.west_deg + b.east_deg)};
+  // Rasters across the antimeridian go on past 180. All tiles on a raster count its pixels from the same one: a turn
+  // around the Earth need not be a whole number of kAligned texels.
+  const double middle = 0.5 * (b.west_deg + b.east_deg);
+  const double west = p.west_deg + 360.0 * std::round((middle - p.middle_deg) / 360.0);
   const Axis x = axis_of(b.west_deg, size, west, p.lon_deg);
   const Axis y = axis_of(-b.north_deg, size, -p.north_deg, p.lat_deg);
   ImageryGrid out;

@@ -11,6 +11,7 @@ struct PixelLattice {
   double west_deg = -180.0, north_deg = 90.0;  ///< outer edges
   double lon_deg = 1.0, lat_deg = 1.0;         ///< size of a pixel
   double oversampling = 1.0;                   ///< RasterInfo::oversampling
+  double middle_deg = 0.0;                     ///< longitude of the raster's middle
 };
 
 /// Where the texels of a tile's imagery lie: the tile and a border of 4 texels at least on every side, in an image of

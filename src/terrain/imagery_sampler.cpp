@@ -301,7 +301,8 @@ std::optional<PixelLattice> ImagerySampler::finest_lattice(const TileBounds& til
   const RasterInfo& info = finest->info();
   return PixelLattice{info.bounds.west_deg, info.bounds.north_deg,
                       (info.bounds.east_deg - info.bounds.west_deg) / info.width,
-                      (info.bounds.north_deg - info.bounds.south_deg) / info.height, info.oversampling};
+                      (info.bounds.north_deg - info.bounds.south_deg) / info.height, info.oversampling,
+                      0.5 * (info.bounds.west_deg + info.bounds.east_deg)};
 }
 
 std::vector<SourceStats> ImagerySampler::source_stats() const {

@@ -115,6 +115,7 @@ TEST_CASE("a scene with every parameter changed comes back equal from JSON, bit 
   visit_fields(changer, scene);
   CHECK(changer.leaves > 40);
   scene.camera.agl_m.reset();                    // excludes height_m
+  scene.render.upscale = 16;                     // 1, 2, 4 or 16
   scene.atmosphere.polar_radius_m = 1e9 / 3.03;  // not above the equatorial one
   scene.atmosphere.mie.extinction_per_m = scene.atmosphere.mie.scattering_per_m = {1.0 / 3e5, 1.0 / 7e5, 1.0 / 9e5};
   scene.atmosphere.mie.visibility_m.reset();  // excludes optical_depth

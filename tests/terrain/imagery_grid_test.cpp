@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kTexels = shared::kTerrainImageryTexels;
 /// A picture across the antimeridian whose pixels have nothing to do with the tiles', wider than high.
-const PixelLattice kPicture{.west_deg = 170.03, .north_deg = 50.01, .lon_deg = 0.0123, .lat_deg = 0.0101};
+const PixelLattice kPicture{.west_deg = 170.03, .north_deg = 50.01, .lon_deg = 0.0123, .lat_deg = 0.0101, .middle_deg = 180.0};
 
 /// Distance of a place from the nearest pixel's centre, in pixels.
 double from_centre(double place, double first_edge, double pixel) {
@@ -73,7 +73,19 @@ TEST_CASE("imagery grid: neighbours have the same texels, and the same mips of t
     const TileId tile = tile_at(level, 40.0, 172.0), east = *tile_neighbour(tile, 1, 0);
     const ImageryGrid a = imagery_grid(tile, kPicture), b = imagery_grid(east, kPicture);
     REQUIRE(a.lon_step_deg == b.lon_step_deg);
-    const double apart = (b.west_deg - a.west_deg) / a.lon_step_deg / 8.0;  // texels of the coarsest mip
+    const double turn = tile_bounds(east).west_deg < tile_bounds(tile).west_deg ? 360.0 : 0.0;
+    const double apart = (b.west_deg + turn - a.west_deg) / a.lon_step_deg / 8.0;  // texels of the coarsest mip
+    CHECK(std::abs(apart - std::round(apart)) < 1e-7);
+  }
+}
+
+TEST_CASE("imagery grid: tiles of a picture of the globe count its pixels from one edge") {
+  // 2700 pixels are no multiple of the coarsest mip's texels.
+  const PixelLattice globe{.west_deg = -180.0, .north_deg = 90.0, .lon_deg = 360.0 / 2700, .lat_deg = 180.0 / 1350};
+  for (const uint32_t level : {1u, 2u, 4u}) {
+    const TileId west = tile_at(level, 10.0, -1e-3), east = tile_at(level, 10.0, 1e-3);
+    const ImageryGrid a = imagery_grid(west, globe), b = imagery_grid(east, globe);
+    const double apart = (b.west_deg - a.west_deg) / a.lon_step_deg / 8.0;
     CHECK(std::abs(apart - std::round(apart)) < 1e-7);
   }
 }
