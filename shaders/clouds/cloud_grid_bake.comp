@@ -11,12 +11,12 @@ layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_d
 #include "clouds/flight.glsl"
 layout(scalar, set = 0, binding = 20) uniform LightBlock { CloudLightConstants data; } light;
 layout(set = 0, binding = 21, rgba16f) uniform image3D out_grid;
-layout(push_constant, scalar) uniform PushBlock { uint level; } push;
+layout(push_constant, scalar) uniform PushBlock { uint level, first_row; } push;
 
 const float kAround_m = 15.0e3;
 
 void main() {
-  ivec2 at = ivec2(gl_GlobalInvocationID);
+  ivec2 at = ivec2(gl_GlobalInvocationID) + ivec2(0, int(push.first_row));
   CloudGrid grid = light.data.grid;
   int first = int(push.level * grid.slices);
   float half_m = region_half_m(grid.map, push.level);

@@ -11,12 +11,14 @@ layout(set = 0, binding = 4) uniform sampler3D most_tex;
 layout(scalar, set = 0, binding = 2) uniform LightBlock { CloudLightConstants data; } light;
 layout(set = 0, binding = 3, rgba16f) uniform writeonly image3D out_grid;
 
+layout(push_constant, scalar) uniform PushBlock { uint first_plane; } push;
+
 const int kSteps = 72;
 const float kFirstStep = 0.35;  // voxels
 const float kGrowth = 0.07;
 
 void main() {
-  ivec3 at = ivec3(gl_GlobalInvocationID);
+  ivec3 at = ivec3(gl_GlobalInvocationID) + ivec3(0, 0, int(push.first_plane));
   CloudGrid grid = light.data.grid;
   int level = at.z / int(grid.slices);
   int slice = at.z - level * int(grid.slices);

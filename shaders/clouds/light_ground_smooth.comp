@@ -3,16 +3,15 @@
 // Averages the light that clouds send to the ground over nodes whose places are near each other: seen from far below, clouds
 // light neighbouring places alike, and nodes share their paths.
 #include "common/frame.h"
-#include "clouds/light_shared.h"
+#include "clouds/light_nodes.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_data; } frame;
 layout(scalar, set = 0, binding = 1) uniform LightBlock { CloudLightConstants data; } light;
 layout(set = 0, binding = 2) uniform sampler2D in_ground;  // of light_gather.comp
 layout(set = 0, binding = 3, rgba32f) uniform writeonly image2D out_ground;
+layout(set = 0, binding = 4) uniform sampler2D in_weight;  // in full sets of paths
 
 const int kReach = 8;               // nodes
-const float kShare = 0.2;           // of the clouds' height over the place: radius of the mean
-const float kLeast_m = 50.0;        // of it, where clouds lie on the ground
 
 void main() {
   FrameConstants f = frame.frame_data;
@@ -26,7 +25,7 @@ void main() {
   }
   vec2 pixels = vec2(f.size) / vec2(cells.nodes);
   vec3 p = pixel_direction(f, (vec2(at) + 0.5) * pixels) * here.a;
-  float radius_m = max(kShare * (light.data.grid.band_low_m[0] - geodetic_height(f.planet, p)), kLeast_m);
+  float radius_m = light_ground_radius_m(f.planet, light.data.grid, p);
   vec4 sum = vec4(0.0);
   for (int y = -kReach; y <= kReach; ++y)
     for (int x = -kReach; x <= kReach; ++x) {
@@ -34,7 +33,7 @@ void main() {
       if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, size))) continue;
       vec4 other = texelFetch(in_ground, there, 0);
       vec3 apart = pixel_direction(f, (vec2(there) + 0.5) * pixels) * other.a - p;
-      float w = exp(-0.5 * dot(apart, apart) / (radius_m * radius_m));
+      float w = exp(-0.5 * dot(apart, apart) / (radius_m * radius_m)) * texelFetch(in_weight, there, 0).r;
       if (other.a < 0.5 * kFarDepth_m) sum += vec4(w * other.rgb, w);
     }
   imageStore(out_ground, at, vec4(sum.rgb / max(sum.a, 1.0e-6), here.a));

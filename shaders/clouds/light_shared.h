@@ -43,6 +43,10 @@ struct CloudLightConstants {
   float forward_albedo;  // share of extinction that goes straight on: albedo * f
   uint seed;
   uint frame_index;
+  vec3 moved_m;          // of the camera since the last frame, ECEF axes
+  float keep;            // share of the weight that cells of the last frame keep; 0: there are none
+  float most_weight;     // of a cell, in full sets of paths
+  uint still;            // 1: cells lie where they lay
 };
 
 // Place along the slices of a point `s_m` beyond the ray's entry; slice i holds i..i+1.
@@ -54,10 +58,30 @@ SHARED_FN float light_slice_m(LightCells cells, float slice) {
   return (exp2(slice * cells.log2_ratio) - 1.0f) * cells.first_m / cells.growth;
 }
 
-// How many cells are seen.
+// How many cells are seen. In sequences: how many of them, and of the nodes on the ground, have no light yet (or little), and how many
+// get a path more.
 struct LightWork {
   uint count;
+  uint fresh;
+  uint refresh;
+  uint ground_fresh;
+  uint ground_refresh;
 };
+
+// Frames in which each cell that has light gets a path more, once.
+SHARED_CONST uint kLightRefresh = 4u;
+SHARED_CONST float kLightEnough = 0.5f;  // weight of a cell, in full sets of paths, from which on it is not traced in full
+
+// Threads of a group of light_gather.comp; paths of a cell are spread over them in sequences.
+SHARED_CONST uint kLightThreads = 64u;
+SHARED_CONST uint kLightGroupsAcross = 32768u;  // of a dispatch, along x
+
+// Threads that share the paths of a cell that has none yet; and groups for so many cells.
+SHARED_FN uint light_threads(LightCells cells) { return min(cells.paths, kLightThreads); }
+SHARED_FN uint light_groups(uint items, uint threads) {
+  uint each = kLightThreads / threads;
+  return (items + each - 1u) / each;
+}
 
 // Cells (2 x 2 x 2 voxels) around each over which the largest extinction is known; trilinear reads take a voxel of it.
 SHARED_CONST uint kMostReach = 2u;

@@ -42,7 +42,10 @@ void main() {
     ivec3 d = ivec3(n % 3, (n / 3) % 3, n / 9) - 1;
     ivec3 there = at + push.stride * d;
     vec3 w = mix(vec3(1.0), side, abs(vec3(d)));
-    if (all(greaterThanEqual(there, ivec3(0))) && all(lessThan(there, size))) sum += (w.x * w.y * w.z) * texelFetch(in_cells, there, 0);
+    if (all(greaterThanEqual(there, ivec3(0))) && all(lessThan(there, size))) {
+      vec4 cell = texelFetch(in_cells, there, 0);
+      sum += (w.x * w.y * w.z) * vec4(cell.rgb * cell.a, cell.a);  // by numbers of paths
+    }
   }
-  imageStore(out_cells, at, sum.a > 0.0 ? sum / sum.a : vec4(0.0));
+  imageStore(out_cells, at, sum.a > 0.0 ? vec4(sum.rgb / sum.a, 1.0) : vec4(0.0));
 }

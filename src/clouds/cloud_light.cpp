@@ -2,18 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <numeric>
 #include <utility>
 
 #include "clouds/beam_table.h"
-#include "clouds/cloud_bounds.h"
-#include "clouds/cloud_grid_bake.comp.h"
-#include "clouds/cloud_grid_most.comp.h"
-#include "clouds/cloud_grid_sun.comp.h"
+#include "clouds/light_args.comp.h"
+#include "clouds/light_clear.comp.h"
 #include "clouds/light_gather.comp.h"
+#include "clouds/light_ground_history.comp.h"
 #include "clouds/light_ground_smooth.comp.h"
+#include "clouds/light_history.comp.h"
 #include "clouds/light_list.comp.h"
 #include "clouds/light_mark.comp.h"
 #include "clouds/light_sky.comp.h"
@@ -23,9 +24,12 @@
 namespace nepho {
 namespace {
 
-constexpr float kGrowths = 5.76f;       ///< of cells along a ray, all together: the last ends some 500 km away
-constexpr float kShift = 0.9f;          ///< of maps ahead of the camera, in halves of their sides, at most
-constexpr float kLooksAhead_m = 15e3f;  ///< cameras higher up look at the middle of the maps (cloud_region())
+constexpr float kGrowths = 5.76f;  ///< of cells along a ray, all together: the last ends some 500 km away
+
+/// Differences between frames that make a cut: light is traced anew.
+constexpr double kCutWind_m = 30.0, kCutSun_rad = 0.0035;
+constexpr double kCutMove_m = 300.0, kCutMoveOfHeight = 0.01;  ///< the larger
+
 shared::LightCells cells_for(Extent2D extent, const CloudLight::Quality& quality, float first_m) {
   const uint32_t longest = std::max(extent.width, extent.height);
   const double px = std::max(double{quality.node_px}, static_cast<double>(longest) / quality.most_nodes);
@@ -43,21 +47,6 @@ shared::LightCells cells_for(Extent2D extent, const CloudLight::Quality& quality
   c.smooth_paths = quality.smooth_paths;
   c.stride_px = std::max(1u, static_cast<uint32_t>(px / 2.0));
   return c;
-}
-
-shared::CloudGrid grid_places(const Clouds& clouds, const shared::RegionMap& map, const CloudLight::Quality& quality) {
-  const shared::CloudBounds bands = cloud_bands(clouds, quality.grid_slices);
-  shared::CloudGrid grid{};
-  grid.map = map;
-  grid.band_low_m = bands.band_low_m;
-  grid.band_high_m = bands.band_high_m;
-  grid.band_first = bands.band_first;
-  grid.band_slices = bands.band_slices;
-  grid.bands = bands.bands;
-  grid.texels = quality.grid_texels;
-  grid.all_around = quality.all_around ? 1 : 0;
-  grid.slices = quality.grid_slices;
-  return grid;
 }
 
 }  // namespace
@@ -82,17 +71,24 @@ CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds, uint32_t spect
     : device_(device),
       clouds_(clouds),
       quality_(quality),
-      sun_(device, {.name = "clouds.grid_sun", .spirv = cloud_grid_sun_comp}),
-      spread_{gpu::ComputePipeline(device, {.name = "clouds.most_x", .spirv = cloud_grid_most_comp, .constants = {0}}),
-              gpu::ComputePipeline(device, {.name = "clouds.most_y", .spirv = cloud_grid_most_comp, .constants = {1}}),
-              gpu::ComputePipeline(device, {.name = "clouds.most_z", .spirv = cloud_grid_most_comp, .constants = {2}})},
+      grid_(device, clouds,
+            {.texels = quality.grid_texels,
+             .slices = quality.grid_slices,
+             .finest_half_m = quality.finest_half_m,
+             .all_around = quality.all_around}),
+      clear_(device, {.name = "clouds.light_clear", .spirv = light_clear_comp}),
       mark_(device, {.name = "clouds.light_mark", .spirv = light_mark_comp}),
       list_(device, {.name = "clouds.light_list", .spirv = light_list_comp}),
-      gather_(device, {.name = "clouds.light_gather", .spirv = light_gather_comp, .constants = {0}}),
-      gather_ground_(device, {.name = "clouds.light_ground", .spirv = light_gather_comp, .constants = {1}}),
       smooth_(device, {.name = "clouds.light_smooth", .spirv = light_smooth_comp}),
       smooth_ground_(device, {.name = "clouds.light_ground_smooth", .spirv = light_ground_smooth_comp}),
-      sky_(device, {.name = "clouds.light_sky", .spirv = light_sky_comp, .constants = {spectral_groups}}) {
+      sky_(device, {.name = "clouds.light_sky", .spirv = light_sky_comp, .constants = {spectral_groups}}),
+      history_(device, {.name = "clouds.light_history", .spirv = light_history_comp}),
+      ground_history_(device, {.name = "clouds.light_ground_history", .spirv = light_ground_history_comp}),
+      args_(device, {.name = "clouds.light_args", .spirv = light_args_comp}) {
+  work_ = device.create_buffer({.name = "clouds.light_work", .size_bytes = sizeof(shared::LightWork)});
+  fastest_mps_ = std::abs(clouds.params().weather.drift_east_mps);
+  for (const CloudLayer& layer : clouds.params().layers)
+    fastest_mps_ = std::max(fastest_mps_, std::hypot(layer.wind_east_mps, layer.wind_north_mps));
   beam_ = device.create_image(
       {.name = "clouds.beam", .extent = {shared::kBeamTexels, shared::kBeamOrders / 4}, .format = Format::rgba32f});
   no_albedo_ =
@@ -116,7 +112,8 @@ CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds, uint32_t spect
 }
 
 void CloudLight::renew(const CloudParams& params) {
-  filled_ = false;
+  grid_.renew();
+  before_.reset();
   traced_ = params.multiple_scattering != "octaves";
   const double extinction_per_m = params.scattering_per_m + params.absorption_per_m;
   albedo_ = extinction_per_m > 0.0 ? static_cast<float>(params.scattering_per_m / extinction_per_m) : 1.0f;
@@ -133,78 +130,73 @@ void CloudLight::renew(const CloudParams& params) {
   device_.upload({&upload, 1});
 }
 
-shared::RegionMap CloudLight::region(const FrameInfo& frame) const {
-  constexpr float kHalf_px = 32.0f;  // no finer maps than that many pixels far away
-  double top_m = 0.0;
-  for (const Clouds::HeightRange& r : clouds_.layer_ranges()) top_m = std::max(top_m, r.high_m);
-  shared::RegionMap map = cloud_region(frame.constants, frame.camera_ecef_m, top_m);
-  const float reach_m = map.half_m * std::exp2(static_cast<float>(map.levels - 1));
-  const float above_m = std::max(frame.constants.planet.camera_height_m - static_cast<float>(top_m), 0.0f);
-  map.half_m = std::max(quality_.finest_half_m, kHalf_px * frame.constants.pixel_angle_rad * above_m);
-  // Two levels at least: they are layers of an array.
-  map.levels =
-      std::clamp(1u + static_cast<uint32_t>(std::ceil(std::log2(std::max(reach_m / map.half_m, 1.0f)))), 2u, 12u);
-  return map;
+void CloudLight::set_history(shared::CloudLightConstants& constants, const FrameInfo& frame, bool sequence) const {
+  constants.keep = 0.0f;
+  constants.most_weight = std::max(static_cast<float>(quality_.most_paths) / static_cast<float>(quality_.paths), 2.0f);
+  if (!sequence || !before_ || before_->frame.extent != frame.extent || before_->cells.nodes != constants.cells.nodes ||
+      before_->cells.first_m != constants.cells.first_m)
+    return;
+  const FrameInfo& before = before_->frame;
+  const glm::dvec3 moved_m = frame.camera_ecef_m - before.camera_ecef_m;
+  const double wind_m = fastest_mps_ * std::abs(frame.time_s - before.time_s);
+  const double sun_rad = static_cast<double>(distance(frame.constants.key_dir, before.constants.key_dir));
+  const double height_m = static_cast<double>(frame.constants.planet.camera_height_m);
+  if (length(moved_m) > std::max(kCutMove_m, kCutMoveOfHeight * height_m) || wind_m > kCutWind_m ||
+      sun_rad > kCutSun_rad)
+    return;
+  constants.moved_m = glm::vec3(moved_m);
+  // Clouds that drift leave their light behind by as much.
+  constants.keep = static_cast<float>(std::exp(-wind_m / static_cast<double>(quality_.smooth_m)));
+  const shared::FrameConstants &a = frame.constants, &b = before.constants;
+  constants.still = moved_m == glm::dvec3(0.0) && a.forward == b.forward && a.right == b.right && a.up == b.up ? 1 : 0;
 }
 
-void CloudLight::add_grid(FrameGraph& graph, const FrameInfo& frame, const CloudDensityRefs& density, BufferRef data,
-                          const shared::CloudGrid& places) {
-  const uint32_t side = places.texels, levels = places.map.levels;
-  const Extent3D extent{side, side, places.slices * levels};
-  const Extent3D half{side / 2, side / 2, extent.depth / 2};
-  if (!grid_ || !(grid_.desc().extent == extent)) {
-    extinction_ = device_.create_image({.name = "clouds.grid_extinction", .extent = extent, .format = Format::rgba16f});
-    grid_ = device_.create_image({.name = "clouds.grid", .extent = extent, .format = Format::rgba16f});
-    most_ = device_.create_image({.name = "clouds.grid_most", .extent = half, .format = Format::r16f});
-  }
-  const ImageRef extinction = graph.import(extinction_), grid = graph.import(grid_), most = graph.import(most_);
-  const uint32_t phases = clouds_.phases_at(frame.time_s);
-  gpu::ComputePipeline& pipeline = bake_[phases - 1];
+ImageRef CloudLight::add_sky(FrameGraph& graph, const FrameInfo& frame, const AtmosphereTables::Refs& atmosphere,
+                             const shared::RegionMap& map) {
+  const ImageRef sky = graph.create(
+      "clouds.light_sky", {.extent = {shared::kLightSkyTexels, shared::kLightSkyTexels}, .format = Format::r32f});
+  auto pass = graph.pass("clouds.light_sky");
+  pass.uniform("frame", frame.buffer).write("out_sky", sky);
+  AtmosphereTables::bind(pass, atmosphere);
+  struct SkyPush {
+    glm::vec3 up;
+    float height_m;
+  };
+  const glm::vec3 up = normalize(glm::vec3(map.centre.x, map.centre.y, map.centre.z * frame.constants.planet.a_over_b));
+  const SkyPush push{up, 0.5f * (clouds_.constants().hull_low_m + clouds_.constants().hull_high_m)};
+  pass.record([this, push](gpu::Commands& cmd) {
+    cmd.bind(sky_).push(push).dispatch_threads(shared::kLightSkyTexels, shared::kLightSkyTexels);
+  });
+  return sky;
+}
+
+const gpu::ComputePipeline& CloudLight::gather(bool terrain, bool sequence, bool surface) {
+  const uint32_t kind = (sequence ? 2u : 0u) + (surface ? 1u : 0u);
+  gpu::ComputePipeline& pipeline = gather_[kind + (terrain ? 4u : 0u)];
   if (!pipeline)
-    pipeline = gpu::ComputePipeline(
-        device_, {.name = "clouds.grid", .spirv = cloud_grid_bake_comp, .constants = clouds_.specialisation(phases)});
-  auto bake = graph.pass("clouds.grid");
-  bake.uniform("frame", frame.buffer).uniform("light", data).read_write("out_grid", extinction).effect();
-  bind_density(bake, density);
-  bake.record([&pipeline, side, levels](gpu::Commands& cmd) {
-    cmd.bind(pipeline);
-    for (uint32_t level = 0; level < levels; ++level) cmd.push(level).dispatch_threads(side, side).barrier();
-  });
-  const ImageRef spread_x = graph.create("clouds.grid_most_x", {.extent = half, .format = Format::r16f});
-  const ImageRef spread_y = graph.create("clouds.grid_most_y", {.extent = half, .format = Format::r16f});
-  const std::array<ImageRef, 4> chain{extinction, spread_x, spread_y, most};
-  for (size_t axis = 0; axis < 3; ++axis) {
-    auto spread = graph.pass("clouds.grid_most");
-    spread.uniform("light", data).sample("in_tex", chain[axis]).write("out_most", chain[axis + 1]).effect();
-    spread.record([this, axis, half](gpu::Commands& cmd) {
-      cmd.bind(spread_[axis]).dispatch_threads(half.width, half.height, half.depth);
-    });
-  }
-  auto sun = graph.pass("clouds.grid_sun");
-  sun.uniform("frame", frame.buffer)
-      .uniform("light", data)
-      .sample("grid_tex", extinction)
-      .sample("most_tex", most)
-      .write("out_grid", grid)
-      .effect();
-  sun.record([this, extent](gpu::Commands& cmd) {
-    cmd.bind(sun_).dispatch_threads(extent.width, extent.height, extent.depth);
-  });
+    pipeline = gpu::ComputePipeline(device_, {.name = surface ? "clouds.light_ground" : "clouds.light_gather",
+                                              .spirv = light_gather_comp,
+                                              .constants = {kind, terrain ? 1u : 0u}});
+  return pipeline;
+}
+
+CloudLight::Work CloudLight::work() {
+  const std::vector<std::byte> bytes = device_.download(work_);
+  shared::LightWork w{};
+  std::memcpy(&w, bytes.data(), sizeof(w));
+  if (cut_)
+    return {.cells = w.count, .fresh = w.count, .refresh = 0, .ground_fresh = 0, .ground_refresh = 0, .cut = true};
+  return {.cells = w.count,
+          .fresh = w.fresh,
+          .refresh = w.refresh,
+          .ground_fresh = w.ground_fresh,
+          .ground_refresh = w.ground_refresh,
+          .cut = false};
 }
 
 CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in) {
   const shared::RegionMap map = region(frame);
   shared::CloudLightConstants constants{};
-  constants.grid = grid_places(clouds_, map, quality_);
-  // Maps lie ahead of a camera that looks along the ground.
-  if (!quality_.all_around && frame.constants.planet.camera_height_m < kLooksAhead_m) {
-    const glm::vec3 forward = normalize(frame.constants.forward);
-    const float step = static_cast<float>(quality_.grid_texels) / 4.0f;
-    const float inner = 1.0f - 2.0f * (shared::kMostVoxels + 1.0f) / static_cast<float>(quality_.grid_texels);
-    const float most = std::floor(std::min(kShift, inner - 0.05f) * step);
-    constants.grid.shift =
-        clamp(round(glm::vec2(dot(forward, map.east), dot(forward, map.north)) * most), -most, most) / step;
-  }
   constants.ground = in.ground;
   if (!in.ground_albedo) {
     constants.ground = map;
@@ -218,15 +210,13 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
   constants.wide_albedo = albedo * (1.0f - forward_share_) / (1.0f - constants.forward_albedo);
   constants.seed = frame.constants.seed;
   constants.frame_index = frame.constants.frame_index;
-  const BufferRef data = graph.constants("clouds.light_data", constants);
-  const Key key{.camera_ecef_m = frame.camera_ecef_m,
-                .time_s = frame.time_s,
-                .key_dir = frame.constants.key_dir,
-                .forward = quality_.all_around ? glm::vec3(0.0f) : frame.constants.forward};
+  set_history(constants, frame, in.sequence);
+  const bool sequence = constants.keep > 0.0f;
   const bool terrain = static_cast<bool>(in.terrain_shadow);
   const ImageRef terrain_shadow = terrain ? in.terrain_shadow : graph.import(no_height_);
   const BufferRef terrain_map = terrain ? in.terrain_map : graph.constants("clouds.no_terrain", map);
   if (!traced_) {  // bound, never read
+    const BufferRef data = graph.constants("clouds.light_data", constants);
     const ImageRef none = graph.import(none_);
     return {.data = data,
             .grid = none,
@@ -239,27 +229,47 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
             .terrain = terrain,
             .beam = graph.import(beam_)};
   }
-  if (!filled_ || !(key == key_)) {
-    add_grid(graph, frame, in.density, data, constants.grid);
-    key_ = key;
-    filled_ = true;
-  }
-  const ImageRef grid = graph.import(grid_);
+  const LightGrid::Refs places = grid_.add(graph, frame, in.density, sequence, constants);
+  const ImageRef grid = places.grid, most = places.most;
+  constants.grid = places.places;
+  const BufferRef data = graph.constants("clouds.light_data", constants);
 
   const uint32_t words = cells.nodes.x * cells.nodes.y * cells.slices / 32;
   const BufferRef marks = graph.create_buffer("clouds.light_marks", uint64_t{words} * 4);
-  const BufferRef work = graph.create_buffer("clouds.light_work", sizeof(shared::LightWork));
+  const BufferRef work = graph.import(work_);
   const BufferRef list = graph.create_buffer("clouds.light_list", uint64_t{words} * 32 * 4);
   const ImageDesc desc{.extent = {cells.nodes.x, cells.nodes.y, cells.slices}, .format = Format::rgba16f};
-  const ImageRef traced = graph.create("clouds.light_traced", desc), out = graph.create("clouds.light_cells", desc);
-  auto clear = graph.pass("clouds.light_clear");
-  clear.zero("marks", marks).zero("work", work).fill("traced", traced).fill("out_cells", out);
-  clear.record([](gpu::Commands& cmd) { cmd.zero("marks").zero("work").fill("traced", 0.0f).fill("out_cells", 0.0f); });
+  Traced& images = traced_images_[now_];
+  const Traced& last = traced_images_[1 - now_];
+  if (!images.cells || !(images.cells.desc().extent == desc.extent)) {
+    const Extent3D flat{cells.nodes.x, cells.nodes.y, 1};
+    images.cells = device_.create_image({.name = "clouds.light_traced", .extent = desc.extent});
+    images.ground = device_.create_image({.name = "clouds.light_ground", .extent = flat, .format = Format::rgba32f});
+    images.ground_weight =
+        device_.create_image({.name = "clouds.light_ground_weight", .extent = flat, .format = Format::r32f});
+  }
+  const ImageRef traced = graph.import(images.cells), ground = graph.import(images.ground),
+                 ground_weight = graph.import(images.ground_weight);
+  std::vector<ImageRef> smoothed;
+  for (uint32_t i = 0; i < std::min(quality_.smooth_passes, 2u); ++i)
+    smoothed.push_back(graph.create("clouds.light_cells", desc));
+  auto zero = graph.pass("clouds.light_clear");
+  zero.zero("marks", marks).zero("work", work);
+  zero.record([](gpu::Commands& cmd) { cmd.zero("marks").zero("work"); });
+  std::vector<ImageRef> cleared = smoothed;
+  cleared.push_back(traced);
+  for (const ImageRef image : cleared) {
+    auto clear = graph.pass("clouds.light_clear");
+    clear.write("out_cells", image);
+    clear.record([this, size = desc.extent](gpu::Commands& cmd) {
+      cmd.bind(clear_).dispatch_threads(size.width, size.height, size.depth);
+    });
+  }
   auto mark = graph.pass("clouds.light_mark");
   mark.uniform("frame", frame.buffer)
       .uniform("light", data)
       .sample("grid_tex", grid)
-      .sample("most_tex", graph.import(most_), Sampler::nearest_clamp)
+      .sample("most_tex", most, Sampler::nearest_clamp)
       .sample("depth_m", in.depth_m, Sampler::nearest_clamp)
       .read_write("marks", marks);
   mark.record([this, extent = frame.extent, px = cells.stride_px](gpu::Commands& cmd) {
@@ -268,33 +278,56 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
   auto collect = graph.pass("clouds.light_list");
   collect.uniform("light", data).read("marks", marks).read_write("work", work).write("list", list);
   collect.record([this, words](gpu::Commands& cmd) { cmd.bind(list_).dispatch_threads(words); });
-  ImageRef sky = graph.import(even_sky_);
-  if (in.atmosphere) {
-    sky = graph.create("clouds.light_sky",
-                       {.extent = {shared::kLightSkyTexels, shared::kLightSkyTexels}, .format = Format::r32f});
-    auto pass = graph.pass("clouds.light_sky");
-    pass.uniform("frame", frame.buffer).write("out_sky", sky);
-    AtmosphereTables::bind(pass, *in.atmosphere);
-    struct SkyPush {
-      glm::vec3 up;
-      float height_m;
-    };
-    const glm::vec3 up =
-        normalize(glm::vec3(map.centre.x, map.centre.y, map.centre.z * frame.constants.planet.a_over_b));
-    const SkyPush push{up, 0.5f * (clouds_.constants().hull_low_m + clouds_.constants().hull_high_m)};
-    pass.record([this, push](gpu::Commands& cmd) {
-      cmd.bind(sky_).push(push).dispatch_threads(shared::kLightSkyTexels, shared::kLightSkyTexels);
-    });
+  const ImageRef sky = in.atmosphere ? add_sky(graph, frame, *in.atmosphere, map) : graph.import(even_sky_);
+  const uint32_t node_count = cells.nodes.x * cells.nodes.y;
+  struct Lists {
+    BufferRef fresh, refresh, args;
+  };
+  std::array<Lists, 2> lists{Lists{list, list, {}}, Lists{list, list, {}}};  // of cells and of nodes on the ground
+  if (sequence) {
+    const BufferRef before = graph.constants("clouds.light_before", before_->frame.constants);
+    for (const bool surface : {false, true}) {
+      const uint64_t bytes = surface ? uint64_t{node_count} * 4 : uint64_t{words} * 32 * 4;
+      Lists& to = lists[surface ? 1 : 0];
+      to = {.fresh = graph.create_buffer("clouds.light_fresh", bytes),
+            .refresh = graph.create_buffer("clouds.light_refresh", bytes),
+            .args = graph.create_buffer("clouds.light_args", 12)};
+      auto history = graph.pass(surface ? "clouds.light_ground_history" : "clouds.light_history");
+      history.uniform("frame", frame.buffer)
+          .uniform("before", before)
+          .uniform("light", data)
+          .read_write("work", work)
+          .write("fresh", to.fresh)
+          .write("refresh", to.refresh);
+      if (surface)
+        history.sample("before_ground", graph.import(last.ground), Sampler::nearest_clamp)
+            .sample("before_weight", graph.import(last.ground_weight), Sampler::nearest_clamp)
+            .sample("depth_m", in.depth_m, Sampler::nearest_clamp)
+            .write("out_ground", ground)
+            .write("out_weight", ground_weight);
+      else
+        history.read("list", list)
+            .sample("before_cells", graph.import(last.cells), Sampler::nearest_clamp)
+            .write("out_cells", traced);
+      history.record([this, surface, threads = surface ? node_count : words * 32](gpu::Commands& cmd) {
+        cmd.bind(surface ? ground_history_ : history_).dispatch_threads(threads);
+      });
+    }
+    auto args = graph.pass("clouds.light_args");
+    args.uniform("light", data)
+        .read("work", work)
+        .write("cell_args", lists[0].args)
+        .write("ground_args", lists[1].args)
+        .record([this](gpu::Commands& cmd) { cmd.bind(args_).dispatch_threads(1); });
   }
-  const ImageRef ground =
-      graph.create("clouds.light_ground", {.extent = {cells.nodes.x, cells.nodes.y}, .format = Format::rgba32f});
   for (const bool surface : {false, true}) {
-    auto gather = graph.pass(surface ? "clouds.light_ground" : "clouds.light_gather");
-    gather.uniform("frame", frame.buffer)
+    const Lists& of = lists[surface ? 1 : 0];
+    auto pass = graph.pass(surface ? "clouds.light_ground" : "clouds.light_gather");
+    pass.uniform("frame", frame.buffer)
         .uniform("light", data)
         .uniform("cloud", in.density.constants)
         .sample("grid_tex", grid)
-        .sample("most_tex", graph.import(most_), Sampler::nearest_clamp)
+        .sample("most_tex", most, Sampler::nearest_clamp)
         .sample("sky_tex", sky)
         .sample("depth_m", in.depth_m, Sampler::nearest_clamp)
         .sample("ground_albedo_tex", in.ground_albedo ? in.ground_albedo : graph.import(no_albedo_))
@@ -302,17 +335,20 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
         .sample("terrain_volume_tex", terrain_shadow)
         .uniform("terrain_volume", terrain_map)
         .read("work", work)
-        .read("list", list)
-        .write("out_cells", traced)
-        .write("out_ground", ground);
-    const uint32_t threads = surface ? cells.nodes.x * cells.nodes.y : words * 32;
-    gpu::ComputePipeline& shaded = gather_terrain_[surface ? 1 : 0];
-    if (terrain && !shaded)
-      shaded = gpu::ComputePipeline(device_, {.name = surface ? "clouds.light_ground" : "clouds.light_gather",
-                                              .spirv = light_gather_comp,
-                                              .constants = {surface ? 1u : 0u, 1u}});
-    const gpu::ComputePipeline& pipeline = terrain ? shaded : surface ? gather_ground_ : gather_;
-    gather.record([&pipeline, threads](gpu::Commands& cmd) { cmd.bind(pipeline).dispatch_threads(threads); });
+        .read("list", of.fresh)
+        .read("refresh", of.refresh)
+        .read_write("out_cells", traced)
+        .read_write("out_ground", ground)
+        .read_write("out_weight", ground_weight);
+    if (sequence) pass.indirect(of.args);
+    const gpu::ComputePipeline& pipeline = gather(terrain, sequence, surface);
+    pass.record([&pipeline, sequence, threads = surface ? node_count : words * 32](gpu::Commands& cmd) {
+      cmd.bind(pipeline);
+      if (sequence)
+        cmd.dispatch_indirect();
+      else
+        cmd.dispatch_threads(threads);
+    });
   }
   const ImageRef even_ground =
       graph.create("clouds.light_even_ground", {.extent = {cells.nodes.x, cells.nodes.y}, .format = Format::rgba32f});
@@ -320,13 +356,15 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
   even.uniform("frame", frame.buffer)
       .uniform("light", data)
       .sample("in_ground", ground, Sampler::nearest_clamp)
+      .sample("in_weight", ground_weight, Sampler::nearest_clamp)
       .write("out_ground", even_ground);
   even.record(
       [this, nodes = cells.nodes](gpu::Commands& cmd) { cmd.bind(smooth_ground_).dispatch_threads(nodes.x, nodes.y); });
   // Each mean spreads twice as far as the one before.
-  ImageRef from = traced, to = out;
+  ImageRef from = traced, to = traced;
   for (uint32_t i = 0; i < quality_.smooth_passes; ++i) {
-    if (i > 0) std::swap(from, to);
+    from = to;
+    to = smoothed[i % 2];
     auto smooth = graph.pass("clouds.light_smooth");
     smooth.uniform("frame", frame.buffer)
         .uniform("light", data)
@@ -334,15 +372,18 @@ CloudLight::Refs CloudLight::add(FrameGraph& graph, const FrameInfo& frame, cons
         .read("list", list)
         .sample("in_cells", from, Sampler::nearest_clamp)
         .sample("grid_tex", grid)
-        .sample("most_tex", graph.import(most_), Sampler::nearest_clamp)
+        .sample("most_tex", most, Sampler::nearest_clamp)
         .write("out_cells", to);
     smooth.record([this, words, stride = int32_t{1} << i](gpu::Commands& cmd) {
       cmd.bind(smooth_).push(stride).dispatch_threads(words * 32);
     });
   }
+  before_ = Before{.frame = frame, .cells = cells};
+  cut_ = !sequence;
+  now_ = 1 - now_;
   return {.data = data,
           .grid = grid,
-          .most = graph.import(most_),
+          .most = most,
           .cells = to,
           .ground = even_ground,
           .nodes = cells.nodes,

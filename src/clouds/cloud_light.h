@@ -1,9 +1,11 @@
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 
 #include "atmosphere/atmosphere_tables.h"
 #include "clouds/cloud_density.h"
+#include "clouds/light_grid.h"
 #include "clouds/light_shared.h"
 #include "gpu/pipeline.h"
 
@@ -28,7 +30,8 @@ class CloudLight {
     float smooth_m = 70.0f;      ///< cells share paths within this,
     float smooth_paths = 0.5f;   ///< and within so many free paths of the scaled medium,
     uint32_t smooth_passes = 1;  ///< by means of 27 of them so many times
-    bool all_around = false;     ///< the grid has what the camera does not see, too: kept when it turns
+    bool all_around = false;     ///< LightGrid::Layout
+    uint32_t most_paths = 64;    ///< in sequences: that a cell's light is the mean of, at most (two sets at least)
   };
   /// Of a preset: medium, high, ultra.
   static Quality quality_of(const std::string& preset);
@@ -46,6 +49,7 @@ class CloudLight {
     shared::RegionMap ground{};  ///< of the two images below
     ImageRef ground_albedo = {},
              ground_height = {};  ///< as terrain/ground_map.glsl reads them; without: a black ellipsoid
+    bool sequence = false;  ///< the picture follows the last one: light and grid may be its, where they still hold
   };
   struct Refs {
     BufferRef data;  ///< shared::CloudLightConstants
@@ -61,37 +65,54 @@ class CloudLight {
     bool terrain = false;  ///< of Inputs
     ImageRef beam;         ///< rgba32f: shared::kBeamTexels wide (clouds/beam_table.h)
   };
-  /// Fills grid and cells for a frame. The grid is kept while camera place, light and clock stay.
+  /// Fills grid and cells for a frame: a still's anew (the grid is kept while camera place, light and clock stay), a
+  /// sequence's from the last one's (docs/light.md, 'In sequences').
   Refs add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in);
 
   /// Tells that what add() was given before has changed: other parameters, which may differ from the clouds' own.
   void renew(const CloudParams& params);
 
   /// Nested maps around what a camera sees of the clouds, for grid and ground.
-  shared::RegionMap region(const FrameInfo& frame) const;
+  shared::RegionMap region(const FrameInfo& frame) const { return grid_.region(frame); }
+
+  /// What the last frame that add() declared traced; after it ran. For tests and benchmarks: waits for the GPU.
+  struct Work {
+    uint32_t cells = 0;                             ///< seen
+    uint32_t fresh = 0, refresh = 0;                ///< of them, traced in full, and with one path more
+    uint32_t ground_fresh = 0, ground_refresh = 0;  ///< of the nodes on the ground
+    bool cut = true;                                ///< all were traced in full
+  };
+  Work work();
 
  private:
-  struct Key {
-    glm::dvec3 camera_ecef_m{0.0};
-    double time_s = 0.0;
-    glm::vec3 key_dir{0.0f}, forward{0.0f};
-    bool operator==(const Key&) const = default;
+  /// Cells before they are smoothed, and what they are of.
+  struct Traced {
+    gpu::Image cells, ground, ground_weight;
   };
-  void add_grid(FrameGraph& graph, const FrameInfo& frame, const CloudDensityRefs& density, BufferRef data,
-                const shared::CloudGrid& places);
+  struct Before {
+    FrameInfo frame;
+    shared::LightCells cells;
+  };
+  /// What the cells of this frame may take over from the last one's; sets keep to 0 where nothing.
+  void set_history(shared::CloudLightConstants& constants, const FrameInfo& frame, bool sequence) const;
+  ImageRef add_sky(FrameGraph& graph, const FrameInfo& frame, const AtmosphereTables::Refs& atmosphere,
+                   const shared::RegionMap& map);
+  const gpu::ComputePipeline& gather(bool terrain, bool sequence, bool surface);
   gpu::Device& device_;
   const Clouds& clouds_;
   Quality quality_;
-  std::array<gpu::ComputePipeline, 2> bake_;  ///< by phases - 1
-  gpu::ComputePipeline sun_;
-  std::array<gpu::ComputePipeline, 3> spread_;  ///< by axis
-  gpu::ComputePipeline mark_, list_, gather_, gather_ground_, smooth_, smooth_ground_, sky_;
-  std::array<gpu::ComputePipeline, 2> gather_terrain_;  ///< the two among terrain, made when a frame needs them
-  gpu::Image extinction_, grid_, most_, beam_, no_albedo_, no_height_, none_, even_sky_;
+  LightGrid grid_;
+  gpu::ComputePipeline clear_, mark_, list_, smooth_, smooth_ground_, sky_, history_, ground_history_, args_;
+  std::array<gpu::ComputePipeline, 8> gather_;  ///< made when a frame needs them
+  gpu::Image beam_, no_albedo_, no_height_, none_, even_sky_;
+  gpu::Buffer work_;
+  std::array<Traced, 2> traced_images_;
+  uint32_t now_ = 0;              ///< the one that this frame fills
+  std::optional<Before> before_;  ///< of the other one
+  double fastest_mps_ = 0.0;      ///< of the layers' winds
+  bool cut_ = true;
   float forward_share_ = 0.0f, wide_g_ = 0.0f, albedo_ = 1.0f, first_m_ = 0.0f;
   bool traced_ = true;  ///< false: octaves
-  bool filled_ = false;
-  Key key_;
 };
 
 }  // namespace nepho

@@ -50,7 +50,8 @@ FrameOutputs Renderer::Parts::add_frame(FrameGraph& graph, const FrameInfo& fram
                                      .terrain_map = terrain_air.map,
                                      .ground = clouds->ground.map(),
                                      .ground_albedo = ground.albedo,
-                                     .ground_height = ground.height_m});
+                                     .ground_height = ground.height_m,
+                                     .sequence = needs.sequence});
     behind.cloud_light = cloud_light.ground;
     shadow = clouds->shadow_maps.add(graph, frame, density);
     behind.sun_visibility = clouds->shadow.add(graph, frame, surface, shadow);

@@ -206,6 +206,10 @@ void Renderer::count_work(const FrameOutputs& out, size_t pixels) {
   }
   timings_.samples_per_px /= static_cast<double>(pixels);
   timings_.steps_per_px /= static_cast<double>(pixels);
+  const CloudLight::Work light = parts_->clouds ? parts_->clouds->light.work() : CloudLight::Work{};
+  timings_.light_cells = light.cells;
+  timings_.light_fresh = light.fresh;
+  timings_.light_refresh = light.refresh;
 }
 
 RenderResult Renderer::render(const RenderRequest& request) {
@@ -251,7 +255,8 @@ RenderResult Renderer::render(const RenderRequest& request) {
                                           .work = request.count_work && last,
                                           .incomplete_ground = request.incomplete_ok,
                                           .debug = i == 0 ? request.debug : "",
-                                          .interval_s = request.frame_interval_s});
+                                          .interval_s = request.frame_interval_s,
+                                          .sequence = request.frame_number > 0 && frames == 1});
     p.executor.run(graph);
     timings_.frame_ms += ms_since(start);
     timings_.passes = p.executor.timings();

@@ -33,6 +33,8 @@ struct RenderTimings {
   std::vector<gpu::PassTiming> passes;  ///< of the last frame
   uint64_t gpu_memory_bytes = 0;
   double steps_per_px = 0.0, samples_per_px = 0.0;  ///< of the clouds' march, with RenderRequest::count_work
+  /// Cells of light inside clouds, with RenderRequest::count_work: seen; of them traced in full, and with one path more.
+  uint32_t light_cells = 0, light_fresh = 0, light_refresh = 0;
   ReferenceCounts reference;  ///< of quality reference
 };
 
@@ -54,7 +56,7 @@ struct RenderRequest {
   /// Its place in a sequence drawn by one renderer, 0 first: seeds noise.
   uint32_t frame_number = 0;
   bool read_back = true;    ///< false: the 8-bit picture is made but not brought to the CPU; for benchmarks
-  bool count_work = false;  ///< fill RenderTimings::steps_per_px and samples_per_px
+  bool count_work = false;  ///< fill RenderTimings::steps_per_px, samples_per_px, light_*
   /// Quality reference: called between dispatches; false ends the picture where it is.
   std::function<bool(const ReferenceProgress&)> on_progress = {};
   /// Quality reference: goes on from this picture's paths (its layers R, G, B, variance, samples and cloud). Null: from

@@ -29,6 +29,7 @@ struct FrameNeeds {
   bool incomplete_ground = false;  ///< RenderRequest::incomplete_ok
   std::string debug = {};          ///< RenderRequest::debug
   double interval_s = 0.0;         ///< RenderRequest::frame_interval_s
+  bool sequence = false;           ///< the picture follows the last one: what still holds may be taken from it
 };
 
 /// References to what a frame leaves behind; empty where it has none.
