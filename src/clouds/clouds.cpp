@@ -15,7 +15,7 @@
 #include "gpu/commands.h"
 #include "gpu/graph_executor.h"
 #include "gpu/pipeline.h"
-#include "weather/blob_cache.h"
+#include "base/blob_cache.h"
 
 namespace nepho {
 namespace {

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "base/log.h"
+#include "gpu/pipeline_cache.h"
 #include "gpu/vulkan_names.h"
 
 namespace nepho::gpu {
@@ -273,8 +274,7 @@ Device::Device(const DeviceOptions& options) {
   check(vkCreateCommandPool(device_, &pool, nullptr, &pool_), "vkCreateCommandPool");
   auto fence = vk_struct<VkFenceCreateInfo>(VK_STRUCTURE_TYPE_FENCE_CREATE_INFO);
   check(vkCreateFence(device_, &fence, nullptr, &fence_), "vkCreateFence");
-  auto cache = vk_struct<VkPipelineCacheCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO);
-  check(vkCreatePipelineCache(device_, &cache, nullptr, &pipeline_cache_), "vkCreatePipelineCache");
+  pipeline_cache_ = std::make_unique<PipelineCache>(physical_, device_);
   for (const Sampler kind :
        {Sampler::linear_clamp, Sampler::linear_repeat, Sampler::nearest_clamp, Sampler::linear_repeat_u}) {
     auto s = vk_struct<VkSamplerCreateInfo>(VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO);
@@ -294,7 +294,7 @@ Device::Device(const DeviceOptions& options) {
 Device::~Device() {
   wait_idle();
   for (VkSampler sampler : samplers_) vkDestroySampler(device_, sampler, nullptr);
-  vkDestroyPipelineCache(device_, pipeline_cache_, nullptr);
+  pipeline_cache_.reset();
   vkDestroyFence(device_, fence_, nullptr);
   vkDestroyCommandPool(device_, pool_, nullptr);
   vkDestroyDevice(device_, nullptr);
@@ -303,6 +303,8 @@ Device::~Device() {
         vkGetInstanceProcAddr(instance_, "vkDestroyDebugUtilsMessengerEXT"))(instance_, messenger_, nullptr);
   vkDestroyInstance(instance_, nullptr);
 }
+
+VkPipelineCache Device::pipeline_cache() const { return pipeline_cache_->handle(); }
 
 void Device::wait_idle() {
   if (device_) vkDeviceWaitIdle(device_);

@@ -31,6 +31,7 @@ struct DeviceOptions {
 };
 
 class Device;
+class PipelineCache;
 
 namespace detail {
 /// Move-only base of GPU objects: knows its device.
@@ -167,7 +168,7 @@ class Device {
   uint32_t queue_family() const { return queue_family_; }
   float timestamp_period_ns() const { return timestamp_period_ns_; }
   VkSampler sampler(Sampler sampler) const { return samplers_[static_cast<size_t>(sampler)]; }
-  VkPipelineCache pipeline_cache() const { return pipeline_cache_; }
+  VkPipelineCache pipeline_cache() const;
   void set_name(VkObjectType type, uint64_t handle, const std::string& name) const;
   void begin_label(VkCommandBuffer cmd, const std::string& name) const;
   void end_label(VkCommandBuffer cmd) const;
@@ -201,7 +202,7 @@ class Device {
   uint32_t queue_family_ = 0;
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
-  VkPipelineCache pipeline_cache_ = VK_NULL_HANDLE;
+  std::unique_ptr<PipelineCache> pipeline_cache_;
   VkSampler samplers_[4] = {};
   VkPhysicalDeviceMemoryProperties memory_types_{};
   float timestamp_period_ns_ = 1.0f;

@@ -85,6 +85,8 @@ void init_gdal() {
     if (const std::filesystem::path cache = cache_dir(); !cache.empty())
       set_default("GDAL_DEFAULT_WMS_CACHE_PATH", (cache / "services").c_str());
     GDALAllRegister();
+    // What a call says after it was given up comes too late to be of use.
+    CPLSetErrorHandler(CPLQuietErrorHandler);
     bound_cache();
   });
 }

@@ -10,7 +10,7 @@
 #include "gpu/commands.h"
 #include "gpu/graph_executor.h"
 #include "gpu/pipeline.h"
-#include "weather/blob_cache.h"
+#include "base/blob_cache.h"
 #include "weather/coverage_statistics.h"
 #include "weather/cube_field.h"
 #include "weather/weather_flow.comp.h"

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "weather/blob_cache.h"
+#include "base/blob_cache.h"
 #include "weather/cube_field.h"
 #include "weather/lonlat_grid.h"
 

@@ -1,15 +1,22 @@
 #include "gpu/gpu_fixture.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 
 #include "gpu/commands.h"
+#include "gpu/pipeline_cache.h"
 #include "gpu/test_add.comp.h"
 #include "gpu/test_blur.comp.h"
 #include "gpu/test_triangle.frag.h"
 #include "gpu/test_triangle.vert.h"
 
 using namespace nepho;
+namespace fs = std::filesystem;
 
 namespace {
 struct AddPush {
@@ -152,6 +159,44 @@ TEST_CASE("gpu: asking for a device that is not there is an error of kind device
     CHECK(e.exit_status() == 4);
     CHECK(std::string(e.what()).find("no such gpu") != std::string::npos);
   }
+}
+
+TEST_CASE("gpu: compiled pipelines are kept on disk, and a torn file is as good as none") {
+  const fs::path folder = fs::temp_directory_path() / fmt::format("nepho_pipelines_{}", getpid());
+  fs::create_directories(folder);
+  const std::string before = std::getenv("NEPHO_CACHE") ? std::getenv("NEPHO_CACHE") : "";
+  setenv("NEPHO_CACHE", folder.c_str(), 1);
+  const auto kept = [&] {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(folder)) files.push_back(entry.path());
+    REQUIRE(files.size() == 1);
+    return files[0];
+  };
+  const auto loaded = [](gpu::Device& device) {
+    return gpu::PipelineCache(device.physical(), device.handle()).loaded_bytes();
+  };
+  {
+    gpu::Device device;
+    const gpu::ComputePipeline add(device, {.name = "test.add", .spirv = test_add_comp});
+  }
+  const uintmax_t size = fs::file_size(kept());
+  {
+    gpu::Device device;
+    CHECK(loaded(device) > 0);
+    CHECK(loaded(device) < size);  // less a header
+  }
+  fs::resize_file(kept(), size - 1);
+  {
+    gpu::Device device;
+    CHECK(loaded(device) == 0);
+    const gpu::ComputePipeline add(device, {.name = "test.add", .spirv = test_add_comp});
+  }
+  CHECK(fs::file_size(kept()) == size);  // made anew
+  fs::remove_all(folder);
+  if (before.empty())
+    unsetenv("NEPHO_CACHE");
+  else
+    setenv("NEPHO_CACHE", before.c_str(), 1);
 }
 
 TEST_CASE("gpu: objects give their memory back") {

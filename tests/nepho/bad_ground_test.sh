@@ -15,7 +15,8 @@ trap cleanup EXIT
 cd "$work"
 export NEPHO_CACHE=$work/cache
 failures=0
-view=(--at 35.35,138.75 --height 9000 --pitch -60 --time 2026-06-20T03:00:00Z --coverage 0 --quality low --size 32x18)
+place=(--at 35.35,138.75 --height 9000 --pitch -60 --time 2026-06-20T03:00:00Z --quality low --size 32x18)
+view=("${place[@]}" --coverage 0)
 
 # draws WARNINGS "text that one of them has" arguments...: status 0, a picture, that many lines (or `some`) on standard
 # error
@@ -52,7 +53,7 @@ rejects() {
   local text=$1 status=0
   shift
   rm -f picture.*
-  timeout 120 "$nepho" render "${view[@]}" "$@" -o picture.png >out 2>err </dev/null || status=$?
+  timeout 120 "$nepho" render "${place[@]}" "$@" -o picture.png >out 2>err </dev/null || status=$?
   if [[ $status == 3 && $(wc -l <err) == 1 && $(<err) == *"error: "*"$text"* && ! -s out && ! -e picture.png ]]; then
     echo "ok: $(<err)"
   else

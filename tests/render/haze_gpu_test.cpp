@@ -63,9 +63,9 @@ TEST_CASE(
       clear_at[i] = centre(clear, "R");
       added[i++] = centre(hazy, "R") - centre(clear, "R");
     }
-    // The air above a kilometre lets 93 to 98 % of red light through, straight up.
-    CHECK(added[1] / added[0] > 0.93);
-    CHECK(added[1] / added[0] < 0.98);
+    // The air above a kilometre lets 95 % of red light through, straight up. White haze adds a fifth of the light at
+    // most, as the difference of what it takes and gives.
+    CHECK(added[1] / added[0] == doctest::Approx(0.951).epsilon(albedo > 0.5 ? 0.04 : 0.01));
     // Soot of depth 0.8 takes exp(-0.8) down to the eye and more on the way in; white haze darkens ground of albedo 0.2
     // no further than to three quarters, as it sends light back itself.
     CHECK(added[0] / clear_at[0] ==

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "io/file_test_tools.h"
-#include "weather/blob_cache.h"
+#include "base/blob_cache.h"
 #include "weather/coverage_statistics.h"
 #include "weather/raster_weather.h"
 #include "weather/weather_shared.h"

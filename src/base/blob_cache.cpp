@@ -1,4 +1,4 @@
-#include "weather/blob_cache.h"
+#include "base/blob_cache.h"
 
 #include <cstring>
 #include <fstream>
