@@ -94,7 +94,7 @@ void main() {
 
   // What was seen there.
   vec4 before;
-  float samples, moved_px = 0.0, found = 1.0;
+  float samples, moved_px = 0.0, parallax_px = 0.0, found = 1.0;
   if (u.still != 0u) {
     vec2 place = texelFetch(last_place, pixel, 0).rg;
     before = texelFetch(last_radiance, pixel, 0);
@@ -118,13 +118,17 @@ void main() {
     }
     samples = float(history_samples(texelFetch(last_place, history_texel(at), 0).x));
     moved_px = length(at - vec2(pixel) - 0.5);
+    vec2 turned;
+    previous_pixel(u, f.size, dir, turned);
+    parallax_px = length(at - turned);
     found = there && share > 0.0 ? 1.0 : 0.0;
   }
 
   samples = min(samples, min(most_samples(moved_px), u.most_samples));
   vec4 value = before;
-  // A still picture keeps what it has: where samples are far apart, what none of them met is none the less there.
-  float moving = smoothstep(0.0, 0.25, moved_px);
+  // A picture that only turns keeps what it has: where samples are far apart, what none of them met is none the less there. What moves
+  // against what is behind it may leave ghosts.
+  float moving = smoothstep(kNoParallax_px, kMuchParallax_px, parallax_px);
   if (weight > 0.0 && moving > 0.0) {
     mean /= weight;
     vec4 spread = sqrt(max(squares / weight - mean * mean, vec4(0.0)));
