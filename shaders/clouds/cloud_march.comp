@@ -30,6 +30,9 @@ layout(set = 0, binding = 23) uniform sampler2DArray cloud_blue;
 #define TERRAIN_VOLUME_BINDING 31
 #define TERRAIN_CONSTANT 7
 #include "terrain/terrain_air.glsl"
+#define PIXEL_LIST_BINDING 40
+#define PIXEL_LIST_CONSTANT 10
+#include "clouds/pixel_list.glsl"  // of an upscaled picture: the pixels of this frame
 layout(set = 0, binding = 29, rgba32f) uniform writeonly image2D out_near;   // of the nearer of two depths: shares of the lights, opacity
 layout(set = 0, binding = 30, rg32f) uniform writeonly image2D out_depths;   // the two, m; equal where one does (depth_split.h)
 
@@ -116,7 +119,11 @@ void main() {
   // Neighbouring lanes march in step: blocks of 4 x 2 pixels stay together better than rows of 8.
   uint lane = gl_LocalInvocationIndex;
   ivec2 pixel = ivec2(gl_WorkGroupID.xy * 8u + uvec2((lane & 3u) | ((lane >> 1) & 4u), ((lane >> 2) & 1u) | ((lane >> 3) & 6u)));
-  if (any(greaterThanEqual(pixel, ivec2(frame.frame_data.size)))) return;
+  if (LISTED) {
+    if (!listed_pixel(gl_WorkGroupID.x * 64u + lane, pixel)) return;
+  } else if (any(greaterThanEqual(pixel, ivec2(frame.frame_data.size)))) {
+    return;
+  }
   PlanetView planet = CLOUD_PLANET;
   vec3 sun = frame.frame_data.key_dir;
 

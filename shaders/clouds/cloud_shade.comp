@@ -13,6 +13,9 @@ layout(set = 0, binding = 4, rgba32f) uniform writeonly image2D out_radiance;
 layout(set = 0, binding = 5, rgba32f) uniform writeonly image2D out_near;  // luminance of what is at the nearer depth; its opacity
 #define ATMOSPHERE_BINDING 8
 #include "atmosphere/atmosphere_lookup.glsl"
+#define PIXEL_LIST_BINDING 40
+#define PIXEL_LIST_CONSTANT 1
+#include "clouds/pixel_list.glsl"  // of an upscaled picture: the pixels of this frame
 layout(push_constant, scalar) uniform PushBlock {
   float ground_albedo;
   float coverage;
@@ -23,7 +26,11 @@ layout(push_constant, scalar) uniform PushBlock {
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   FrameConstants f = frame.frame_data;
-  if (any(greaterThanEqual(pixel, ivec2(f.size)))) return;
+  if (LISTED) {
+    if (!listed_pixel(gl_WorkGroupID.x * 256u + gl_LocalInvocationIndex, pixel)) return;
+  } else if (any(greaterThanEqual(pixel, ivec2(f.size)))) {
+    return;
+  }
   vec4 light = texelFetch(light_tex, pixel, 0), near = texelFetch(near_tex, pixel, 0);
   vec2 depths = texelFetch(depths_tex, pixel, 0).rg;
   vec3 dir = pixel_direction(f, vec2(pixel) + 0.5);

@@ -18,6 +18,10 @@ layout(set = 0, binding = 8) uniform sampler2D cloud_radiance;
 layout(set = 0, binding = 12) uniform sampler2D cloud_near;  // what cloud_radiance has at the nearer depth; its opacity
 layout(set = 0, binding = 9, rgba32f) uniform writeonly image2D out_background;
 layout(set = 0, binding = 10, rgba32f) uniform writeonly image2D out_cloud;
+layout(constant_id = 8) const uint PART = 0u;  // 0: background and clouds, 1: the background, 2: clouds at listed pixels
+#define PIXEL_LIST_BINDING 13
+#define PIXEL_LIST_CONSTANT 9
+#include "clouds/pixel_list.glsl"
 layout(push_constant, scalar) uniform PushBlock { ShaftApplyPush push; };
 
 // What a block says of a distance: between its nearest and its farthest one, where there is one between; else in proportion, and with less
@@ -34,7 +38,11 @@ vec4 change_at(vec4 nearest, vec4 farthest, vec2 depths, float distance_m, float
 void main() {
   FrameConstants f = frame.frame_data;
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(pixel, ivec2(f.size)))) return;
+  if (LISTED) {
+    if (!listed_pixel(gl_WorkGroupID.x * 256u + gl_LocalInvocationIndex, pixel)) return;
+  } else if (any(greaterThanEqual(pixel, ivec2(f.size)))) {
+    return;
+  }
   float distance_m = min(texelFetch(depth_m, pixel, 0).r, kFarDepth_m);
   vec2 cloud_m = texelFetch(cloud_depths, pixel, 0).rg;
   vec2 shell;
@@ -52,20 +60,25 @@ void main() {
     vec2 w = mix(1.0 - part, part, vec2(corner));
     float share = w.x * w.y, weight;
     vec4 depths = texelFetch(depths_tex, at, 0);
-    vec4 change = change_at(texelFetch(near_tex, at, 0), texelFetch(far_tex, at, 0), depths.xy, distance_m, entry_m, weight);
-    behind += share * weight * change;
-    behind_weight += share * weight;
-    for (int k = 0; k < 2; ++k) {
+    vec4 change;
+    if (PART != 2u) {
+      change = change_at(texelFetch(near_tex, at, 0), texelFetch(far_tex, at, 0), depths.xy, distance_m, entry_m, weight);
+      behind += share * weight * change;
+      behind_weight += share * weight;
+    }
+    for (int k = 0; k < 2 && PART != 1u; ++k) {
       change = change_at(texelFetch(cloud_near_tex, at, 0), texelFetch(cloud_far_tex, at, 0), depths.zw, cloud_m[k], entry_m, weight);
       if (depths.w <= 0.0) weight = 0.0;
       cloud[k] += share * weight * change;
       cloud_weight[k] += share * weight;
     }
   }
-  behind /= behind_weight;
-  vec3 seen = texelFetch(background, pixel, 0).rgb;
-  imageStore(out_background, pixel, vec4(max(within_rec709(seen * behind.a + behind.rgb), vec3(0.0)), 1.0));
-  if (push.has_clouds != 0u) {
+  if (PART != 2u) {
+    behind /= behind_weight;
+    vec3 seen = texelFetch(background, pixel, 0).rgb;
+    imageStore(out_background, pixel, vec4(max(within_rec709(seen * behind.a + behind.rgb), vec3(0.0)), 1.0));
+  }
+  if (push.has_clouds != 0u && PART != 1u) {
     for (int k = 0; k < 2; ++k) cloud[k] = cloud_weight[k] > 0.0 ? cloud[k] / cloud_weight[k] : vec4(0.0, 0.0, 0.0, 1.0);
     vec4 premultiplied = texelFetch(cloud_radiance, pixel, 0), near = texelFetch(cloud_near, pixel, 0);
     vec3 light = near.rgb * cloud[0].a + cloud[0].rgb * near.a + (premultiplied.rgb - near.rgb) * cloud[1].a + cloud[1].rgb * (1.0 - premultiplied.a - near.a);

@@ -24,32 +24,37 @@ CloudMarchPass::CloudMarchPass(gpu::Device& device, const Clouds& clouds, uint32
     : device_(device),
       clouds_(clouds),
       shade_(device, {.name = "clouds.shade", .spirv = cloud_shade_comp, .constants = {spectral_groups}}),
+      shade_listed_(device, {.name = "clouds.shade", .spirv = cloud_shade_comp, .constants = {spectral_groups, 1}}),
       clear_(device, {.name = "clouds.clear", .spirv = cloud_clear_comp}),
       fine_(fine) {}
 
-const gpu::ComputePipeline& CloudMarchPass::march_pipeline(uint32_t phases, bool terrain, bool rays) const {
-  gpu::ComputePipeline& pipeline = march_[phases - 1 + (terrain ? 2 : 0) + (rays ? 4 : 0)];
+const gpu::ComputePipeline& CloudMarchPass::march_pipeline(uint32_t phases, bool terrain, bool rays,
+                                                           bool listed) const {
+  gpu::ComputePipeline& pipeline = march_[phases - 1 + (terrain ? 2 : 0) + (rays ? 4 : 0) + (listed ? 8 : 0)];
   if (!pipeline) {
     std::vector<uint32_t> constants = clouds_.specialisation(phases);
     constants.push_back(terrain ? 1 : 0);
     constants.push_back(fine_ ? 1 : 0);
     constants.push_back(rays ? 4 : 1);
+    constants.push_back(listed ? 1 : 0);
     pipeline = gpu::ComputePipeline(
         device_, {.name = "clouds.march", .spirv = cloud_march_comp, .constants = std::move(constants)});
   }
   return pipeline;
 }
 
-CloudMarchPass::Marched CloudMarchPass::add_march(FrameGraph& graph, const FrameInfo& frame, ImageRef depth_m,
-                                                  const CloudDensityRefs& density,
-                                                  const CloudLight::Refs& light) const {
-  const Marched out{.light = graph.create("clouds.light", {.extent = frame.extent, .format = Format::rgba32f}),
-                    .info = graph.create("clouds.info", {.extent = frame.extent, .format = Format::rgba32f}),
-                    .near = graph.create("clouds.light_near", {.extent = frame.extent, .format = Format::rgba32f}),
-                    .depths = graph.create("clouds.depths", {.extent = frame.extent, .format = Format::rg32f})};
+CloudMarchPass::Marched CloudMarchPass::add_march(FrameGraph& graph, const FrameInfo& frame, const Inputs& in) const {
+  const CloudDensityRefs& density = in.density;
+  const CloudLight::Refs& light = in.light;
+  const bool listed = static_cast<bool>(in.list);
+  const Marched out{
+      .light = graph.create("clouds.light", {.extent = frame.extent, .format = Format::rgba32f}),
+      .info = listed ? in.info : graph.create("clouds.info", {.extent = frame.extent, .format = Format::rgba32f}),
+      .near = graph.create("clouds.light_near", {.extent = frame.extent, .format = Format::rgba32f}),
+      .depths = listed ? in.depths : graph.create("clouds.depths", {.extent = frame.extent, .format = Format::rg32f})};
   FrameGraph::PassBuilder pass = graph.pass("clouds.march");
   pass.uniform("frame", frame.buffer)
-      .read("depth_m", depth_m)
+      .read("depth_m", in.depth_m)
       .sample("cloud_blue", density.noise.blue, Sampler::nearest_clamp)
       .uniform("light_data", light.data)
       .sample("grid_tex", light.grid)
@@ -59,24 +64,30 @@ CloudMarchPass::Marched CloudMarchPass::add_march(FrameGraph& graph, const Frame
       .sample("terrain_volume_tex", light.terrain_shadow)
       .uniform("terrain_volume", light.terrain_map);
   bind_density(pass, density);
+  bind_pixel_list(graph, pass, in.list, 64);
   double top_m = 0.0;
   for (const Clouds::HeightRange& r : clouds_.layer_ranges()) top_m = std::max(top_m, r.high_m);
   const double pixel_m = static_cast<double>(frame.constants.pixel_angle_rad) *
                          (static_cast<double>(frame.constants.planet.camera_height_m) - top_m);
   const gpu::ComputePipeline& pipeline =
-      march_pipeline(clouds_.phases_at(frame.time_s), light.terrain, fine_ && pixel_m > kWidePixel_m);
+      march_pipeline(clouds_.phases_at(frame.time_s), light.terrain, fine_ && pixel_m > kWidePixel_m, listed);
   pass.write("out_light", out.light)
       .write("out_info", out.info)
       .write("out_near", out.near)
       .write("out_depths", out.depths)
-      .record([&pipeline, extent = frame.extent](gpu::Commands& cmd) {
-        cmd.bind(pipeline).dispatch_threads(extent.width, extent.height);
+      .record([&pipeline, listed, extent = frame.extent](gpu::Commands& cmd) {
+        if (listed)
+          cmd.bind(pipeline).dispatch_indirect();
+        else
+          cmd.bind(pipeline).dispatch_threads(extent.width, extent.height);
       });
   return out;
 }
 
 CloudMarchPass::Outputs CloudMarchPass::add(FrameGraph& graph, const FrameInfo& frame, const Inputs& in) const {
-  const ImageRef radiance = graph.create("clouds.radiance", {.extent = frame.extent, .format = Format::rgba32f});
+  const bool listed = static_cast<bool>(in.list);
+  const ImageRef radiance =
+      listed ? in.radiance : graph.create("clouds.radiance", {.extent = frame.extent, .format = Format::rgba32f});
   const ImageRef near = graph.create("clouds.near", {.extent = frame.extent, .format = Format::rgba32f});
   const CloudParams& params = clouds_.params();
   if (draws_nothing(params)) {
@@ -92,7 +103,7 @@ CloudMarchPass::Outputs CloudMarchPass::add(FrameGraph& graph, const FrameInfo& 
         });
     return {.radiance = radiance, .info = info, .near = near, .depths = depths};
   }
-  const Marched marched = add_march(graph, frame, in.depth_m, in.density, in.light);
+  const Marched marched = add_march(graph, frame, in);
   FrameGraph::PassBuilder shade = graph.pass("clouds.shade");
   shade.uniform("frame", frame.buffer)
       .sample("light_tex", marched.light, Sampler::nearest_clamp)
@@ -101,11 +112,15 @@ CloudMarchPass::Outputs CloudMarchPass::add(FrameGraph& graph, const FrameInfo& 
       .write("out_radiance", radiance)
       .write("out_near", near);
   AtmosphereTables::bind(shade, in.atmosphere);
+  bind_pixel_list(graph, shade, in.list, 256);
   const ShadePush push{kGroundAlbedo, static_cast<float>(params.coverage.value_or(kTypicalCoverage)),
                        static_cast<float>(params.sky_light_scale), static_cast<float>(params.ground_bounce_scale),
                        params.multiple_scattering == "octaves" ? 0u : 1u};
-  shade.record([this, push, extent = frame.extent](gpu::Commands& cmd) {
-    cmd.bind(shade_).push(push).dispatch_threads(extent.width, extent.height);
+  shade.record([this, push, listed, extent = frame.extent](gpu::Commands& cmd) {
+    if (listed)
+      cmd.bind(shade_listed_).push(push).dispatch_indirect();
+    else
+      cmd.bind(shade_).push(push).dispatch_threads(extent.width, extent.height);
   });
   return {.radiance = radiance, .info = marched.info, .near = near, .depths = marched.depths};
 }

@@ -5,6 +5,7 @@
 #include "atmosphere/atmosphere_tables.h"
 #include "clouds/cloud_density.h"
 #include "clouds/cloud_light.h"
+#include "clouds/cloud_pixel_list.h"
 #include "gpu/pipeline.h"
 
 namespace nepho {
@@ -16,9 +17,12 @@ class CloudMarchPass {
  public:
   struct Inputs {
     ImageRef depth_m;  ///< r32f: distance along the pixel's ray to the surface, m; 1e10 for none
-    AtmosphereTables::Refs atmosphere;
+    AtmosphereTables::Refs atmosphere = {};
     CloudDensityRefs density;  ///< import_cloud_density()
     CloudLight::Refs light;    ///< of this frame
+    CloudPixelList list = {};  ///< pixels to be marched; empty: all
+    ImageRef radiance = {}, info = {},
+             depths = {};  ///< with a list: outputs that hold something at the other pixels already
   };
   struct Outputs {
     /// rgba32f: luminance of the clouds at the camera, cd/m2, premultiplied and with its aerial perspective;
@@ -44,17 +48,17 @@ class CloudMarchPass {
     ImageRef depths;  ///< as Outputs::depths
   };
   /// There must be something to draw.
-  Marched add_march(FrameGraph& graph, const FrameInfo& frame, ImageRef depth_m, const CloudDensityRefs& density,
-                    const CloudLight::Refs& light) const;
+  Marched add_march(FrameGraph& graph, const FrameInfo& frame, const Inputs& in) const;
 
  private:
-  const gpu::ComputePipeline& march_pipeline(uint32_t phases, bool terrain, bool rays) const;
+  const gpu::ComputePipeline& march_pipeline(uint32_t phases, bool terrain, bool rays, bool listed) const;
   gpu::Device& device_;
   const Clouds& clouds_;
-  gpu::ComputePipeline shade_, clear_;
+  gpu::ComputePipeline shade_, shade_listed_, clear_;
   bool fine_;
-  /// By phases - 1, with terrain's shade or without (2), with four rays or one (4); made when a frame needs it.
-  mutable std::array<gpu::ComputePipeline, 8> march_;
+  /// By phases - 1, with terrain's shade or without (2), with four rays or one (4), over a list (8); made when a frame
+  /// needs it.
+  mutable std::array<gpu::ComputePipeline, 16> march_;
 };
 
 }  // namespace nepho

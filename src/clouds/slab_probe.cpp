@@ -255,7 +255,8 @@ SlabLight MarchedSlabs::Parts::solve(const Slab& slab) {
     const ImageRef depth_m = graph.import(view->depth_m);
     const CloudLight::Refs traced = light[(view->above ? 1 : 0) + (view->constants.size == narrow_size ? 2 : 0)].add(
         graph, frame, {.depth_m = depth_m, .density = density[view->above]});
-    lights.push_back(march.add_march(graph, frame, depth_m, density[view->above], traced).light);
+    lights.push_back(
+        march.add_march(graph, frame, {.depth_m = depth_m, .density = density[view->above], .light = traced}).light);
     graph.keep(lights.back());
   }
   executor.run(graph);

@@ -71,12 +71,23 @@ FrameOutputs Renderer::Parts::add_frame(FrameGraph& graph, const FrameInfo& fram
     behind.sun_visibility =
         terrain_shadow.add(graph, frame, surface, terrain_shadow_map.import_into(graph), behind.sun_visibility);
   const ImageRef lit = background.add(graph, frame, scene.atmosphere, behind);
-  CloudMarchPass::Outputs marched;
-  if (clouds)
-    marched =
-        clouds->march.add(graph, frame,
-                          {.depth_m = surface.depth_m, .atmosphere = tables, .density = density, .light = cloud_light});
   const ShaftMethod method = shaft_method_of(scene, frame);
+  CloudMarchPass::Outputs marched;
+  CloudUpscaler::Selection selected{.frame = frame};
+  const bool upscales = clouds && scene.render.upscale > 1;
+  if (upscales)
+    selected =
+        clouds->upscaler.select(graph, frame, scene.render.upscale, surface.depth_m, method == ShaftMethod::screen);
+  if (clouds)
+    marched = clouds->march.add(graph, selected.frame,
+                                {.depth_m = surface.depth_m,
+                                 .atmosphere = tables,
+                                 .density = density,
+                                 .light = cloud_light,
+                                 .list = selected.list,
+                                 .radiance = selected.radiance,
+                                 .info = selected.info,
+                                 .depths = selected.depths});
   const FroxelRefs froxels = method == ShaftMethod::froxel
                                  ? shafts.add_froxels(graph, frame, scene.shafts, scene.haze, method, air, false)
                                  : FroxelRefs{};
@@ -86,13 +97,20 @@ FrameOutputs Renderer::Parts::add_frame(FrameGraph& graph, const FrameInfo& fram
                                                .cloud = marched.radiance,
                                                .cloud_near = marched.near,
                                                .cloud_depths = marched.depths,
-                                               .froxels = froxels});
+                                               .froxels = froxels,
+                                               .list = selected.list});
   out.depth_m = surface.depth_m;
   out.albedo = surface.albedo;
   out.sun_visibility = behind.sun_visibility;
   out.background = out.radiance = aired.background;
   out.cloud = aired.cloud;
   out.cloud_info = marched.info;
+  if (upscales) {
+    const CloudUpscaler::Outputs whole = clouds->upscaler.resolve(
+        graph, frame, selected, {.depth_m = surface.depth_m, .cloud = out.cloud, .info = marched.info});
+    out.cloud = marched.radiance = whole.cloud;
+    out.cloud_info = marched.info = whole.info;
+  }
   if (clouds) {
     out.radiance = composite.add(graph, frame, out.background, out.cloud);
     if (!needs.debug.empty())

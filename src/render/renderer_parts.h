@@ -4,6 +4,7 @@
 
 #include "atmosphere/atmosphere_tables.h"
 #include "clouds/cloud_march_pass.h"
+#include "clouds/cloud_upscaler.h"
 #include "clouds/shadow_map.h"
 #include "gpu/graph_executor.h"
 #include "render/background_pass.h"
@@ -54,6 +55,7 @@ struct Renderer::Parts {
           light(device, clouds, spectral_groups, CloudLight::quality_of(quality)),
           ground(device),
           march(device, clouds, spectral_groups, quality == "high" || quality == "ultra"),
+          upscaler(device, clouds),
           shadow_maps(device, clouds, params.shadows),
           shadow(device),
           debug(device, clouds) {}
@@ -61,6 +63,7 @@ struct Renderer::Parts {
     CloudLight light;
     GroundMap ground;
     CloudMarchPass march;
+    CloudUpscaler upscaler;
     CloudShadowMaps shadow_maps;
     GroundShadowPass shadow;
     DebugViewPass debug;

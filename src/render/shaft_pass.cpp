@@ -263,24 +263,32 @@ ShaftPass::Outputs ShaftPass::add(FrameGraph& graph, const FrameInfo& frame, con
   const ImageRef background = graph.create("background.air", {.extent = frame.extent, .format = Format::rgba32f});
   const Extent2D cloud_extent = in.cloud ? frame.extent : Extent2D{1, 1};
   const ImageRef cloud = graph.create("clouds.air", {.extent = cloud_extent, .format = Format::rgba32f});
-  auto pass = graph.pass(froxel ? "froxels.apply" : "shafts.apply");
-  pass.uniform("frame", frame.buffer)
-      .sample("depth_m", in.depth_m, Sampler::nearest_clamp)
-      .sample("cloud_depths", in.cloud ? in.cloud_depths : in.depth_m, Sampler::nearest_clamp)
-      .sample("background", in.background, Sampler::nearest_clamp)
-      .sample("cloud_radiance", in.cloud ? in.cloud : in.background, Sampler::nearest_clamp)
-      .sample("cloud_near", in.cloud ? in.cloud_near : in.background, Sampler::nearest_clamp)
-      .write("out_background", background)
-      .write("out_cloud", cloud);
   const uint32_t has_clouds = in.cloud ? 1 : 0;
-  const gpu::ComputePipeline& applier = pipeline(froxel ? froxel_apply : apply);
-  if (froxel) {
-    pass.sample("froxel_change", in.froxels.change);
-    const shared::FroxelApplyPush push{in.froxels.data, has_clouds};
-    pass.record([&applier, push, extent = frame.extent](gpu::Commands& cmd) {
-      cmd.bind(applier).push(push).dispatch_threads(extent.width, extent.height);
-    });
-  } else {
+  const auto add_part = [&](Part part) {
+    const bool listed = part == cloud_part;
+    auto pass = graph.pass(listed ? "shafts.apply_clouds" : froxel ? "froxels.apply" : "shafts.apply");
+    pass.uniform("frame", frame.buffer)
+        .sample("depth_m", in.depth_m, Sampler::nearest_clamp)
+        .sample("cloud_depths", in.cloud ? in.cloud_depths : in.depth_m, Sampler::nearest_clamp)
+        .sample("background", in.background, Sampler::nearest_clamp)
+        .sample("cloud_radiance", in.cloud ? in.cloud : in.background, Sampler::nearest_clamp)
+        .sample("cloud_near", in.cloud ? in.cloud_near : in.background, Sampler::nearest_clamp)
+        .write("out_background", background)
+        .write("out_cloud", cloud);
+    bind_pixel_list(graph, pass, listed ? in.list : CloudPixelList{}, 256);
+    const gpu::ComputePipeline& applier = pipeline(froxel ? froxel_apply : apply, 0, 0, part, listed);
+    const auto dispatch = [listed, extent = frame.extent](gpu::Commands& cmd) {
+      if (listed)
+        cmd.dispatch_indirect();
+      else
+        cmd.dispatch_threads(extent.width, extent.height);
+    };
+    if (froxel) {
+      pass.sample("froxel_change", in.froxels.change);
+      const shared::FroxelApplyPush push{in.froxels.data, has_clouds};
+      pass.record([&applier, push, dispatch](gpu::Commands& cmd) { dispatch(cmd.bind(applier).push(push)); });
+      return;
+    }
     pass.sample("near_tex", blocks.near, Sampler::nearest_clamp)
         .sample("far_tex", blocks.far, Sampler::nearest_clamp)
         .sample("cloud_near_tex", blocks.cloud_near, Sampler::nearest_clamp)
@@ -288,10 +296,10 @@ ShaftPass::Outputs ShaftPass::add(FrameGraph& graph, const FrameInfo& frame, con
         .sample("depths_tex", blocks.depths, Sampler::nearest_clamp);
     const shared::ShaftApplyPush push{block_side(frame, params, layers), has_clouds,
                                       scaled_top(changed_top_m(shade_of(params, method, air), layers))};
-    pass.record([&applier, push, extent = frame.extent](gpu::Commands& cmd) {
-      cmd.bind(applier).push(push).dispatch_threads(extent.width, extent.height);
-    });
-  }
+    pass.record([&applier, push, dispatch](gpu::Commands& cmd) { dispatch(cmd.bind(applier).push(push)); });
+  };
+  add_part(in.list ? background_part : all_parts);
+  if (in.list) add_part(cloud_part);
   return {background, in.cloud ? cloud : ImageRef{}};
 }
 

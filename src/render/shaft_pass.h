@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "atmosphere/atmosphere_tables.h"
+#include "clouds/cloud_pixel_list.h"
 #include "clouds/shadow_map.h"
 #include "gpu/frame_info.h"
 #include "gpu/pipeline.h"
@@ -51,10 +52,11 @@ class ShaftPass {
   struct Inputs {
     ImageRef depth_m;
     ImageRef background;
-    ImageRef cloud;         ///< premultiplied; may be empty: no clouds
-    ImageRef cloud_near;    ///< with it: CloudMarchPass::Outputs::near
-    ImageRef cloud_depths;  ///< and ::depths
-    FroxelRefs froxels;     ///< of add_froxels(), where the method is froxel
+    ImageRef cloud;            ///< premultiplied; may be empty: no clouds
+    ImageRef cloud_near;       ///< with it: CloudMarchPass::Outputs::near
+    ImageRef cloud_depths;     ///< and ::depths
+    FroxelRefs froxels;        ///< of add_froxels(), where the method is froxel
+    CloudPixelList list = {};  ///< where `cloud` and `cloud_near` are this frame's; empty: everywhere
   };
   struct Outputs {
     ImageRef background, cloud;
@@ -82,6 +84,8 @@ class ShaftPass {
   };
   Blocks add_march(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
                    const std::vector<HazeLayer>& haze, ShaftMethod method, const Air& air, const Inputs& in);
+  /// What the pass "apply" is to change.
+  enum Part : uint32_t { all_parts, background_part, cloud_part };
   BufferRef constants(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
                       const std::vector<HazeLayer>& haze, double shade_top_m, const Air& air) const;
   const gpu::ComputePipeline& pipeline(Kind kind, uint32_t haze_layers = 0, uint32_t steps = 0, uint32_t more = 0,

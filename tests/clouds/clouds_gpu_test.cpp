@@ -112,8 +112,8 @@ struct CloudFixture : GpuFixture {
     CloudLight light(device, clouds, atmosphere.spectral_groups(), CloudLight::quality_of("medium"));
     const ImageRef depth_m = graph.import(depth_image);
     const CloudDensityRefs density = import_cloud_density(graph, frame, clouds);
-    const auto out = march.add_march(graph, frame, depth_m, density,
-                                     light.add(graph, frame, {.depth_m = depth_m, .density = density}));
+    const CloudLight::Refs lit = light.add(graph, frame, {.depth_m = depth_m, .density = density});
+    const auto out = march.add_march(graph, frame, {.depth_m = depth_m, .density = density, .light = lit});
     graph.keep(out.light);
     executor.run(graph);
     const std::vector<float> shares = executor.read<float>(out.light);
