@@ -32,7 +32,7 @@ constexpr double kCutMove_m = 300.0, kCutMoveOfHeight = 0.01;  ///< the larger
 
 shared::LightCells cells_for(Extent2D extent, const CloudLight::Quality& quality, float first_m) {
   const uint32_t longest = std::max(extent.width, extent.height);
-  const double px = std::max(double{quality.node_px}, static_cast<double>(longest) / quality.most_nodes);
+  const double px = std::max(static_cast<double>(quality.node_px), static_cast<double>(longest) / quality.most_nodes);
   shared::LightCells c{};
   c.nodes = {std::max(2u, static_cast<uint32_t>(std::lround(extent.width / px))),
              std::max(2u, static_cast<uint32_t>(std::lround(extent.height / px)))};

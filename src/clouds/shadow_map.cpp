@@ -16,6 +16,8 @@ static_assert(sizeof(shared::ShadowTileWork) == 16);
 constexpr uint32_t kTile = shared::kShadowTile;
 
 constexpr double kMargin = 1.06;          // of a new cascade over what it must serve, so that it lasts
+constexpr double kWrong_texels = 0.5;     // clouds moved by so much: a tile is marched at once;
+constexpr double kAged_texels = 0.1;      // by so much: in its turn
 constexpr double kLargest = 1.4;          // a cascade this much larger than needed is made anew
 constexpr double kLowestGround_m = -600;  // no ground that is seen lies lower
 constexpr double kDetailHidden = 0.06;    // of the detail noise's period: texels that hide it
@@ -188,12 +190,15 @@ std::vector<CloudShadowMaps::Candidate> CloudShadowMaps::plan(const FrameInfo& f
         const int64_t grid_x = cascade.grid.first_x + x, grid_y = cascade.grid.first_y + y;
         const bool there = slot.rounds > 0 && slot.x == grid_x && slot.y == grid_y;
         const double age_s = std::abs(frame.time_s - slot.time_s);
-        const bool wrong = !there || age_s * drift_mps_ > 0.5 * cascade.texel_m;
+        const double drift_m = age_s * drift_mps_;
+        const bool wrong = !there || drift_m > kWrong_texels * cascade.texel_m;
+        // What nobody could see waits.
+        const bool aged = drift_m > kAged_texels * cascade.texel_m;
         if (wanted[at]) {
           ++work_.needed;
           const shared::ShadowTileWork tile{
               .cascade = k, .x = x, .y = y, .round = wrong || age_s > 0.0 ? 0 : slot.rounds};
-          if (wrong || age_s > 0.0 || slot.rounds < params_.rounds)
+          if (wrong || aged || (age_s <= 0.0 && slot.rounds < params_.rounds))
             candidates.push_back({tile, slot_at, wrong ? 1e30 : age_s, tile.round});
           if (!there) slot = {.x = grid_x, .y = grid_y};
           present[at] = 1;  // or will be: what is missing is marched in this frame

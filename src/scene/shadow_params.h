@@ -12,7 +12,7 @@ struct CloudShadowParams {
   std::string split = "practical";  ///< of the range among cascades: uniform, logarithmic, practical
   double split_lambda = 0.6;        ///< practical: share of logarithmic, 0..1
   double far_m = 0.0;               ///< distance up to which there are shadows, m; 0: by the camera's height
-  uint32_t slices = 4;              ///< frames over which maps that are a little old are made anew, 1..64
+  uint32_t slices = 16;             ///< frames over which maps that are a little old are made anew, 1..64
   uint32_t rounds = 4;              ///< marches that still maps end up as the mean of, 1..64, one a frame at most
   bool operator==(const CloudShadowParams&) const = default;
 };

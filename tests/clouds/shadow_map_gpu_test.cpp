@@ -195,9 +195,15 @@ TEST_CASE("gpu: where nothing changes nothing is marched, and no bit changes; ti
     CHECK(rig.passes("clouds.shadow") == 0);
   }
   CHECK(gpu.device.download(rig.maps.image()) == bits);
-  view.time_s += 0.1;  // a metre of wind: a share of them
+  view.time_s += 0.01;  // a tenth of a metre of wind: nobody sees it
   rig.update(view);
-  CHECK(rig.maps.work().marched == (needed + 2) / 3);
+  CHECK(rig.maps.work().marched == 0);
+  CHECK(gpu.device.download(rig.maps.image()) == bits);
+  // A fifth of a texel of the nearest maps: a share of them.
+  view.time_s += 0.2 * static_cast<double>(rig.maps.data().at[0].texel_m) / 11.0;
+  rig.update(view);
+  CHECK(rig.maps.work().marched > 0);
+  CHECK(rig.maps.work().marched <= (needed + 2) / 3);
   view.time_s += 600.0;  // they are all wrong
   rig.update(view);
   CHECK(rig.maps.work().marched == needed);
