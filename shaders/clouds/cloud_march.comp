@@ -108,13 +108,6 @@ float cloud_reach(uint l, float level, float need, float eta, float unknown) {
          2.6 * sqrt(unknown);
 }
 
-// Weather at the places of a ray, whose distances grow as squares.
-CloudWeather weather_on_ray(vec3 dir, float from_m, float end_m, int i, float pixel_angle) {
-  float u = float(i) / float(kPlaces - 1), t = from_m + end_m * u * u;
-  vec3 place = dir * t;
-  return cloud_weather_at(place, geodetic_up(CLOUD_PLANET, place), log2(max(pixel_angle * t, 1.0)));
-}
-
 void main() {
   // Neighbouring lanes march in step: blocks of 4 x 2 pixels stay together better than rows of 8.
   uint lane = gl_LocalInvocationIndex;
@@ -169,14 +162,24 @@ void main() {
     float s = 0.0, end = span.y - span.x;         // along the ray from its entry: exact from any distance
     vec2 gap_s = gap - span.x;
 
+    // Weather at distances that grow as squares: read here, where all rays of a group read together. (A software device pays
+    // for everything within the march's loop at every step, whether a condition asks for it or not.)
+    CloudWeather places[kPlaces];
+    for (int i = 0; i < kPlaces; ++i) {
+      float u = float(i) / float(kPlaces - 1);
+      float place_t = span.x + end * u * u;
+      vec3 place = dir * place_t;
+      places[i] = cloud_weather_at(place, geodetic_up(planet, place), log2(max(pixel_angle * place_t, 1.0)));
+    }
+
     // Slow fields of each layer in the stretch at hand: read at near_s and far_s, straight lines between.
     CloudColumn near[LAYERS], far[LAYERS];
     float near_s = 0.0, far_s = 0.0;
     for (uint l = 0u; l < LAYERS; ++l) near[l] = far[l] = CloudColumn(0.0, 0.0, 0.0, vec3(0.0), 0.0, 0.0, 0.0);
-    // Kept small: what a thread of a GPU holds in arrays is memory traffic. Slow fields are read again where they are needed.
-    vec2 sources[kMaxLights];  // distance; what the ray sees of it, times the albedo
-    uint source_layers = 0u;   // four bits each
-    vec2 pending = vec2(0.0);
+    vec4 sources[kMaxLights];
+    CloudColumn columns[kMaxLights];
+    uint source_layers[kMaxLights];
+    vec4 pending = vec4(0.0);
     float pending_seen = 0.0, last_seen = 0.0;
     int lights = 0;
     float light_share = mix(kLightShare, FINE ? 0.2 : 0.45, coarse);
@@ -191,6 +194,7 @@ void main() {
         shortest = min(shortest, CLOUD.layers[l].step_m);
       }
     }
+    CloudColumn lit = CloudColumn(0.0, 0.0, 0.0, vec3(0.0), 0.0, 0.0, 0.0);  // where light was last sent from
     // The march's sample before: a stretch of the ray is between two samples, its level on a straight line between theirs.
     float last_s = -1.0;  // below 0: there is none
     uint last_dense = 0u;
@@ -199,9 +203,6 @@ void main() {
     // Two loops take turns. One searches empty space by what is cheap to read and reads slow fields ahead; one marches through
     // what may be cloud. A software device runs the lanes of a group in step and pays for everything within a loop that any
     // lane is in: whole stretches of one kind cost a group less than steps that could be of either.
-    CloudWeather weather0, weather1;  // at the places of the ray around
-    weather0 = weather1 = CloudWeather(vec4(0.0), vec4(0.0), vec2(0.0));
-    int place_read = -2;
     uint dense = 0u;         // layers whose cloud may be here
     float safe_s = 0.0;      // up to here no other layer's can be
     int mode = kModeSearch;
@@ -209,11 +210,7 @@ void main() {
     while (steps < kMaxSteps && !done && (s < end || mode != kModeSearch)) {
       float place = sqrt(clamp(s / end, 0.0, 1.0)) * float(kPlaces - 1);
       int first = min(int(place), kPlaces - 2);
-      if (first != place_read) {
-        weather0 = first == place_read + 1 ? weather1 : weather_on_ray(dir, span.x, end, first, pixel_angle);
-        weather1 = weather_on_ray(dir, span.x, end, first + 1, pixel_angle);
-        place_read = first;
-      }
+      CloudWeather weather0 = places[first], weather1 = places[first + 1];
       float u0 = float(first) / float(kPlaces - 1), u1 = float(first + 1) / float(kPlaces - 1);
       float weather_s = end * u0 * u0, weather_per_m = 1.0 / (end * (u1 * u1 - u0 * u0)), weather_end = end * u1 * u1;
 
@@ -330,6 +327,7 @@ void main() {
         float length_m = s - last_s;
         float enter = 0.0;  // share of the stretch that is before the cloud
         vec4 sigmas = vec4(0.0);
+        CloudColumn column;
         bool out_of_it = true;
         uint todo = dense;
         do {
@@ -349,6 +347,7 @@ void main() {
             float slab = inside * CLOUD.uniform_density * CLOUD.layers[l].extinction_per_m;
             sigma += slab;
             sigmas[CLOUD.layers[l].slot] = slab;
+            column = c;
             if (eta >= 0.0 && eta <= 1.0) out_of_it = false;
           } else {
             float e = clamp(eta, 0.0, 1.0), size = sqrt(CLOUD.layers[l].cell_size_m / 2500.0);
@@ -384,6 +383,7 @@ void main() {
             float mean = 0.5 * inside * (medium0.sigma_per_m + medium.sigma_per_m);
             if (mean > sigma_best) {
               sigma_best = mean;
+              column = c;
               main_layer = l;
               eta_here = eta_mid;
               clump_depth = max(medium0.clump_depth, medium.clump_depth);
@@ -410,14 +410,16 @@ void main() {
           float x = split_place(at, first_m);
           split_sums += w * vec4(1.0, x, x * x, x * x * x);
           // Sunlight waits for its shadow; light that was scattered before is in the cells.
-          pending += vec2(at * w, w * albedo);
+          pending += vec4(at * w, w * albedo, 0.0, 0.0);
           pending_seen += w;
+          lit = column;
           if (pending_seen > light_share && lights < kMaxLights) {
-            sources[lights] = vec2(pending.x / pending_seen, pending.y);
+            sources[lights] = vec4(pending.x / pending_seen, pending.yzw);
             last_seen = pending_seen;
-            source_layers |= main_layer << (4 * lights);
+            columns[lights] = column;
+            source_layers[lights] = main_layer;
             ++lights;
-            pending = vec2(0.0);
+            pending = vec4(0.0);
             pending_seen = 0.0;
           }
           if (OCTAVES) {
@@ -473,11 +475,12 @@ void main() {
     // What is left goes with the last source; or is the only one, where the ray sees little.
     if (pending_seen > 0.0) {
       if (lights == 0) {
-        sources[0] = vec2(pending.x / pending_seen, pending.y);
-        source_layers = main_layer;
+        sources[0] = vec4(pending.x / pending_seen, pending.yzw);
+        columns[0] = lit;
+        source_layers[0] = main_layer;
         lights = 1;
       } else {
-        sources[lights - 1] = vec2((sources[lights - 1].x * last_seen + pending.x) / (last_seen + pending_seen), sources[lights - 1].y + pending.y);
+        sources[lights - 1] = vec4((sources[lights - 1].x * last_seen + pending.x) / (last_seen + pending_seen), sources[lights - 1].yzw + pending.yzw);
       }
     }
     // All lanes march towards the sun together here; within the loop above each step of one would have cost them all.
@@ -490,12 +493,9 @@ void main() {
       float inv = inversesqrt(dot(sq, sq));
       float height_m = scaled_height_from_f(planet, entry_f_m2 + at_s * (f_slope + at_s * f_bend)) * length(q) * inv;
       float footprint_m = max(pixel_angle * at, 0.08 * max(at * 0.013, 27.0));
-      uint l = LAYERS > 1u ? (source_layers >> (4 * i)) & 15u : 0u;
-      vec3 p = dir * at, up = sq * inv;
-      CloudColumn c = cloud_column(l, cloud_weather_at(p, up, log2(max(pixel_angle * at, 1.0))), p, up, height_m, log2(footprint_m));
       float sun_depth;
-      if (OCTAVES) sun_depth = octave_sun_depth(l, c, p, up, height_m, log2(footprint_m));
-      else sun_depth = cloud_sun_depth(l, c, p, up, height_m, log2(footprint_m));
+      if (OCTAVES) sun_depth = octave_sun_depth(source_layers[i], columns[i], dir * at, sq * inv, height_m, log2(footprint_m));
+      else sun_depth = cloud_sun_depth(source_layers[i], columns[i], dir * at, sq * inv, height_m, log2(footprint_m));
       float sent, powder = powder_factor(sun_depth, cos_sun, CLOUD.powder);
       if (OCTAVES) sent = sources[i].y * octave_sum(cos_sun, CLOUD.phase, CLOUD.multiple_scattering_weight, sun_depth);
       else sent = sources[i].y * beam_sum(beam0, beam1, light_data.data.forward_albedo, sun_depth);
