@@ -137,7 +137,7 @@ TEST_CASE("gpu: every picture of the shared data is drawn in the right place and
   for (const Picture& picture :
        {Picture{"imagery/bahamas_landsat7_utm18.tif", nullptr, 24.7, -77.95, 0.6},
         Picture{"imagery/boston-inset-wgs84.tif", nullptr, 42.35, -71.25},
-        Picture{"imagery/world_bluemarble_2048.tif", nullptr, 22.0, 10.0, 0.8},
+        Picture{"imagery/world_bluemarble_2048.tif", nullptr, 22.0, 10.0, 0.98},
         Picture{"imagery/bluemarble_z0-3_DERIVED.mbtiles", nullptr, 48.0, 16.0, 0.97},
         Picture{"imagery/bluemarble_xyz", "imagery/bluemarble_z0-3_DERIVED.mbtiles", -14.0, -55.0, 0.99},
         Picture{"imagery/plain_1.mbtiles", nullptr, 47.0, 8.0, 0.94},
