@@ -42,7 +42,6 @@ Run run(std::vector<std::string> arguments) {
                               return 0;
                             },
                         .info = [](bool as_json, std::ostream& stream) { stream << (as_json ? "{}" : "text"); },
-                        .open_weather = {},
                         .layer_names = {"depth", "position", "cloud", "variance", "samples", "sun.transmittance"},
                         .debug_views = {"weather", "density"},
                         .probe_kinds = {"geodetic_ecef"},
@@ -375,19 +374,12 @@ TEST_CASE("a benchmark of scenes, sizes, qualities and upscalings measures every
     arguments.insert(arguments.begin(), "bench");
     std::istringstream in;
     std::ostringstream out, err;
-    const Program program{.render = {},
-                          .bench =
+    const Program program{.bench =
                               [&](const BenchRequest& request, std::ostream&) {
                                 cases = request.cases;
                                 frames = request.frames;
                                 return std::vector<BenchResult>(request.cases.size());
                               },
-                          .probe = {},
-                          .info = {},
-                          .open_weather = {},
-                          .layer_names = {},
-                          .debug_views = {},
-                          .probe_kinds = {},
                           .in = in,
                           .out = out,
                           .err = err};
@@ -572,12 +564,6 @@ TEST_CASE("a failure in the middle of the work is status 5 in one line") {
   std::istringstream in;
   std::ostringstream out, err;
   const Program program{.render = [](const Scene&, const RenderOutputs&) { throw std::runtime_error("broken\npipe"); },
-                        .probe = {},
-                        .info = {},
-                        .open_weather = {},
-                        .layer_names = {},
-                        .debug_views = {},
-                        .probe_kinds = {},
                         .in = in,
                         .out = out,
                         .err = err};

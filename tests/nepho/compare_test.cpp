@@ -30,18 +30,11 @@ Run run(std::vector<std::string> arguments, bool compare) {
   Run result;
   std::istringstream in;
   std::ostringstream out, err;
-  const Program program{.render = {},
-                        .compare =
+  const Program program{.compare =
                             [&](const CompareRequest& request, std::ostream& stream) {
                               result.request = request;
                               if (compare) compare_pictures(request, stream);
                             },
-                        .probe = {},
-                        .info = {},
-                        .open_weather = {},
-                        .layer_names = {},
-                        .debug_views = {},
-                        .probe_kinds = {},
                         .in = in,
                         .out = out,
                         .err = err};
