@@ -54,6 +54,29 @@ CameraParams camera_at(const BenchCase& c, double seconds) {
   return camera;
 }
 
+using PassTimes = std::map<std::string, std::vector<double>>;  // by name, a frame each, ms
+
+PassTimes passes_of(const RenderTimings& frame) {
+  PassTimes passes;
+  for (const gpu::PassTiming& pass : frame.passes) {
+    std::vector<double>& times = passes[pass.name];
+    times.resize(1, 0.0);
+    times.front() += pass.gpu_ms;
+  }
+  return passes;
+}
+
+/// Dearest first.
+void add_passes(std::vector<BenchPass>& to, PassTimes passes, uint32_t frames) {
+  for (auto& [name, times] : passes) {
+    times.resize(frames, 0.0);  // a pass that some frames do not have costs nothing in them
+    to.push_back({name, *std::min_element(times.begin(), times.end()), median(times),
+                  *std::max_element(times.begin(), times.end())});
+  }
+  std::stable_sort(to.begin(), to.end(),
+                   [](const BenchPass& a, const BenchPass& b) { return a.median_ms > b.median_ms; });
+}
+
 BenchResult measure(const BenchCase& c, const BenchRequest& request, const RasterAccess& rasters) {
   BenchResult r;
   r.scene = c.name;
@@ -73,7 +96,7 @@ BenchResult measure(const BenchCase& c, const BenchRequest& request, const Raste
   r.startup_ms = ms_since(start);
 
   const UtcInstant begin = parse_utc(c.scene.time);
-  std::map<std::string, std::vector<double>> passes;
+  PassTimes passes;
   std::vector<double> frames, gpu;
   uint64_t resident = 0, gpu_bytes = 0;
   for (uint32_t i = 0; i <= request.warm_up + request.frames; ++i) {
@@ -89,30 +112,24 @@ BenchResult measure(const BenchCase& c, const BenchRequest& request, const Raste
     renderer.render({.layers = false,
                      .frame_interval_s = i > 0 ? 1.0 / request.fps : 0.0,
                      .frame_number = i,
+                     .live = true,
                      .read_back = false,
                      .count_work = i == request.warm_up + request.frames,
                      .incomplete_ok = i > 0});
     const double ms = ms_since(frame) - renderer.timings().readback_ms;
     if (i == 0) r.first_frame_ms = ms;
+    if (i == 0) add_passes(r.first_passes, passes_of(renderer.timings()), 1);
     for (const std::string& message : device.take_validation_messages()) log_warning("{}", message);
     if (!measured) continue;
     frames.push_back(ms);
-    std::map<std::string, double> of_frame;
     double sum = 0.0;
-    for (const gpu::PassTiming& pass : renderer.timings().passes) {
-      of_frame[pass.name] += pass.gpu_ms;
-      sum += pass.gpu_ms;
+    for (const auto& [name, times] : passes_of(renderer.timings())) {
+      passes[name].push_back(times.front());
+      sum += times.front();
     }
     gpu.push_back(sum);
-    for (const auto& [name, pass_ms] : of_frame) passes[name].push_back(pass_ms);
   }
-  for (auto& [name, times] : passes) {
-    times.resize(request.frames, 0.0);  // a pass that some frames do not have costs nothing in them
-    r.passes.push_back({name, *std::min_element(times.begin(), times.end()), median(times),
-                        *std::max_element(times.begin(), times.end())});
-  }
-  std::stable_sort(r.passes.begin(), r.passes.end(),
-                   [](const BenchPass& a, const BenchPass& b) { return a.median_ms > b.median_ms; });
+  add_passes(r.passes, std::move(passes), request.frames);
   r.frame_median_ms = median(frames);
   r.frame_min_ms = *std::min_element(frames.begin(), frames.end());
   r.frame_max_ms = *std::max_element(frames.begin(), frames.end());

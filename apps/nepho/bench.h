@@ -40,6 +40,7 @@ struct BenchResult {
   double frame_median_ms = 0.0, frame_min_ms = 0.0, frame_max_ms = 0.0;  ///< a frame, with its 8-bit picture
   double gpu_median_ms = 0.0;                                            ///< sum of the passes
   std::vector<BenchPass> passes;                                         ///< dearest first
+  std::vector<BenchPass> first_passes;                                   ///< of the first frame, dearest first
   double steps_per_px = 0.0, samples_per_px = 0.0;                       ///< of the clouds' march, last frame
   double first_frame_ms = 0.0;  ///< with the ground that it needs, pipelines and caches
   double startup_ms = 0.0;      ///< files, device and what outlives frames

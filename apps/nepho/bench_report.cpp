@@ -1,6 +1,7 @@
 // What `nepho bench` prints and writes.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
@@ -12,6 +13,8 @@ namespace {
 
 constexpr double kMiB = 1024.0 * 1024.0;
 constexpr double kShown_ms = 0.01;  ///< dearer passes have a line of their own
+
+constexpr size_t kFirstShown = 6;  ///< dearest passes of the first frame
 
 double mib(uint64_t bytes) { return static_cast<double>(bytes) / kMiB; }
 
@@ -30,6 +33,10 @@ void print_bench(std::ostream& out, const BenchResult& r) {
       "MiB\n",
       mib(r.gpu_images_bytes), mib(r.gpu_buffers_bytes), mib(r.gpu_host_visible_bytes), mib(r.host_resident_bytes),
       mib(r.gpu_growth_bytes), mib(r.host_resident_growth_bytes));
+  out << "  first frame:";
+  for (size_t i = 0; i < std::min<size_t>(r.first_passes.size(), kFirstShown); ++i)
+    out << fmt::format("{} {} {:.0f} ms", i > 0 ? "," : "", r.first_passes[i].name, r.first_passes[i].median_ms);
+  out << "\n";
   double rest = 0.0;
   for (const BenchPass& p : r.passes)
     if (p.max_ms >= kShown_ms)
@@ -58,6 +65,8 @@ std::string bench_json(const std::vector<BenchResult>& results) {
     j["passes"] = nlohmann::ordered_json::array();
     for (const BenchPass& p : r.passes)
       j["passes"].push_back({{"name", p.name}, {"min_ms", p.min_ms}, {"median_ms", p.median_ms}, {"max_ms", p.max_ms}});
+    j["first_frame_passes"] = nlohmann::ordered_json::array();
+    for (const BenchPass& p : r.first_passes) j["first_frame_passes"].push_back({{"name", p.name}, {"ms", p.median_ms}});
     j["steps_per_px"] = r.steps_per_px;
     j["samples_per_px"] = r.samples_per_px;
     j["first_frame_ms"] = r.first_frame_ms;

@@ -23,7 +23,7 @@ bool light_before_node(vec3 q, LightCells cells, out vec2 node) {
 vec2 light_snap(vec2 f) { return mix(f, round(f), lessThan(abs(f - round(f)), vec2(2.0e-3))); }
 
 // Whose turn it is in this frame.
-bool light_turn(uint cell) { return (hash4(uvec4(cell, 0x51ed270bu, 0u, 0u)).x + light.data.frame_index) % kLightRefresh == 0u; }
+bool light_turn(uint cell) { return (hash4(uvec4(cell, 0x51ed270bu, 0u, 0u)).x + light.data.frame_index) % light.data.cells.refresh_frames == 0u; }
 
 // 1: it has no light yet, or little; 2: it has, and gets a path more now; 0: it waits.
 uint light_wants(uint cell, float weight) { return weight < kLightEnough ? 1u : light_turn(cell) ? 2u : 0u; }

@@ -120,7 +120,7 @@ void main() {
   vec2 shift = vec2(random_unit(random), random_unit(random));
   if (SEQUENCE) {
     random = random_stream(cell, light.data.frame_index, light.data.seed ^ ((path + 1u) * 0x85ebca6bu));
-    if (!full) shift = fract(shift + float((light.data.frame_index / kLightRefresh) & 0xfffu) * vec2(0.7548777, 0.5698403));
+    if (!full) shift = fract(shift + float((light.data.frame_index / cells.refresh_frames) & 0xfffu) * vec2(0.7548777, 0.5698403));
   }
 
   bool alive = false;

@@ -15,6 +15,7 @@ struct LightCells {
   float growth;
   float log2_ratio;  // log2(1 + growth)
   uint stride_px;    // of the pixels whose rays say which cells are seen
+  uint refresh_frames;  // in which each cell that has light gets a path more, once
   float smooth_m;      // cells share paths within this,
   float smooth_paths;  // and within so many free paths of the scaled medium
 };
@@ -68,8 +69,6 @@ struct LightWork {
   uint ground_refresh;
 };
 
-// Frames in which each cell that has light gets a path more, once.
-SHARED_CONST uint kLightRefresh = 4u;
 SHARED_CONST float kLightEnough = 0.5f;  // weight of a cell, in full sets of paths, from which on it is not traced in full
 
 // Threads of a group of light_gather.comp; paths of a cell are spread over them in sequences.

@@ -46,6 +46,7 @@ shared::LightCells cells_for(Extent2D extent, const CloudLight::Quality& quality
   c.smooth_m = quality.smooth_m;
   c.smooth_paths = quality.smooth_paths;
   c.stride_px = std::max(1u, static_cast<uint32_t>(px / 2.0));
+  c.refresh_frames = quality.refresh_frames;
   return c;
 }
 
@@ -65,6 +66,20 @@ CloudLight::Quality CloudLight::quality_of(const std::string& preset) {
             .smooth_paths = 1.0f,
             .smooth_passes = 2};
   return {};
+}
+
+CloudLight::Quality CloudLight::live_quality_of(const std::string& preset, bool software) {
+  Quality q = quality_of(preset);
+  q.paths = std::min(q.paths, 8u);
+  q.most_nodes = std::min(q.most_nodes, software ? 40u : 64u);
+  q.slices = std::min(q.slices, 192u);
+  q.first_m = 50.0f;
+  q.smooth_m = 100.0f;
+  q.smooth_paths = 1.0f;
+  q.grid_texels = std::min(q.grid_texels, software ? 96u : 192u);
+  q.grid_slices = std::min(q.grid_slices, software ? 48u : 96u);
+  q.refresh_frames = software ? 16 : 8;
+  return q;
 }
 
 CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups, const Quality& quality)

@@ -32,9 +32,13 @@ class CloudLight {
     uint32_t smooth_passes = 1;  ///< by means of 27 of them so many times
     bool all_around = false;     ///< LightGrid::Layout
     uint32_t most_paths = 64;    ///< in sequences: that a cell's light is the mean of, at most (two sets at least)
+    uint32_t refresh_frames = 4;  ///< in sequences: in which each cell that has light gets a path more
   };
   /// Of a preset: medium, high, ultra.
   static Quality quality_of(const std::string& preset);
+  /// Of a preset for pictures that come as fast as they can: fewer, larger cells, which get their paths over more
+  /// frames. `software`: for a device that is a CPU.
+  static Quality live_quality_of(const std::string& preset, bool software);
 
   /// `clouds` must outlive it.
   /// `spectral_groups`: AtmosphereTables::spectral_groups() of the tables that add() gets.

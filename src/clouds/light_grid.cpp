@@ -22,6 +22,7 @@ constexpr uint32_t kRowStep = 8;        ///< rows of a workgroup
 constexpr double kAgedVoxels = 2.0, kWrongHalves = 0.5;     ///< ways of its middle: voxels, halves of the finest level
 constexpr double kAgedWindVoxels = 0.25, kWrongWind = 4.0;  ///< ways of the clouds, voxels
 constexpr double kAgedSun_rad = 0.0017, kWrongSun_rad = 0.009;
+constexpr double kWrongTurn_rad = 0.1;  ///< of the camera, where a grid has what is seen alone
 constexpr float kAgedShift = 0.25f;   ///< of levels ahead of the camera, halves of their sides
 constexpr float kWrongScale = 1.25f;  ///< ratio of the maps' sizes
 
@@ -109,10 +110,13 @@ LightGrid::Key LightGrid::key_of(const FrameInfo& frame, bool all_around) const 
 LightGrid::Fit LightGrid::fit(const Grid& grid, const Key& now, const shared::CloudGrid& wanted) const {
   if (!grid.filled) return Fit::wrong;
   if (grid.key == now) return Fit::good;
-  if (!grid.key.all_around) {  // a still's: it has nothing outside of its view
+  // A still's has little outside of its view: it serves while another is made.
+  const bool narrow = !grid.key.all_around;
+  if (narrow) {
     Key as_still = now;
     as_still.all_around = false;
-    return grid.key == as_still ? Fit::good : Fit::wrong;
+    if (grid.key == as_still) return Fit::good;
+    if (angle_between(grid.key.forward, now.forward) > kWrongTurn_rad) return Fit::wrong;
   }
   const shared::CloudGrid& has = grid.places;
   const double half_m = static_cast<double>(has.map.half_m), voxel_m = 2.0 * half_m / has.texels;
@@ -125,7 +129,7 @@ LightGrid::Fit LightGrid::fit(const Grid& grid, const Key& now, const shared::Cl
     return Fit::wrong;
   const bool turned = distance(has.shift, wanted.shift) > kAgedShift;
   const bool aged = moved_m > kAgedVoxels * voxel_m || wind_m > kAgedWindVoxels * voxel_m || sun_rad > kAgedSun_rad;
-  return aged || turned ? Fit::aged : Fit::good;
+  return aged || turned || narrow ? Fit::aged : Fit::good;
 }
 
 void LightGrid::prepare(Grid& grid, const Key& key, const shared::CloudGrid& places) {

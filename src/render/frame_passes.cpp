@@ -40,9 +40,10 @@ FrameOutputs Renderer::Parts::add_frame(FrameGraph& graph, const FrameInfo& fram
       terrain_shades ? terrain_shadow_map.add_volume(graph, frame) : TerrainVolumeRefs{};
   if (clouds) {
     density = import_cloud_density(graph, frame, clouds->clouds);
-    clouds->ground.update(terrain.heights(), terrain.imagery(), clouds->light.region(frame));
+    CloudLight& light_inside = clouds->light(needs.live);
+    clouds->ground.update(terrain.heights(), terrain.imagery(), light_inside.region(frame));
     const GroundMap::Refs ground = clouds->ground.import_into(graph);
-    cloud_light = clouds->light.add(graph, frame,
+    cloud_light = light_inside.add(graph, frame,
                                     {.depth_m = surface.depth_m,
                                      .density = density,
                                      .atmosphere = &tables,

@@ -195,7 +195,7 @@ void Renderer::show_mean(RenderResult& result, const FrameReadback& readback, do
 }
 
 /// How much the march of the last frame did.
-void Renderer::count_work(const FrameOutputs& out, size_t pixels) {
+void Renderer::count_work(const FrameOutputs& out, size_t pixels, bool live) {
   timings_.steps_per_px = timings_.samples_per_px = 0.0;
   if (!out.cloud_info) return;
   const std::vector<float> info = parts_->executor.read<float>(out.cloud_info);
@@ -206,7 +206,7 @@ void Renderer::count_work(const FrameOutputs& out, size_t pixels) {
   }
   timings_.samples_per_px /= static_cast<double>(pixels);
   timings_.steps_per_px /= static_cast<double>(pixels);
-  const CloudLight::Work light = parts_->clouds ? parts_->clouds->light.work() : CloudLight::Work{};
+  const CloudLight::Work light = parts_->clouds ? parts_->clouds->light(live).work() : CloudLight::Work{};
   timings_.light_cells = light.cells;
   timings_.light_fresh = light.fresh;
   timings_.light_refresh = light.refresh;
@@ -256,7 +256,8 @@ RenderResult Renderer::render(const RenderRequest& request) {
                                           .incomplete_ground = request.incomplete_ok,
                                           .debug = i == 0 ? request.debug : "",
                                           .interval_s = request.frame_interval_s,
-                                          .sequence = request.frame_number > 0 && frames == 1});
+                                          .sequence = request.frame_number > 0 && frames == 1,
+                                          .live = request.live});
     p.executor.run(graph);
     timings_.frame_ms += ms_since(start);
     timings_.passes = p.executor.timings();
@@ -271,7 +272,7 @@ RenderResult Renderer::render(const RenderRequest& request) {
       if (last)
         for (size_t k = 0; k < sum.size(); ++k) readback.radiance[k] = static_cast<float>(sum[k] / frames);
     }
-    if (last && request.count_work) count_work(out, pixels);
+    if (last && request.count_work) count_work(out, pixels, request.live);
     if (debug && i == 0) result.display_rgb = debug_picture(p, request.debug, out.debug, pixels);
     if (last && request.display && !debug && request.read_back) {
       if (frames > 1)

@@ -49,12 +49,15 @@ struct ReferenceProgress {
 struct RenderRequest {
   bool display = true;           ///< make the 8-bit picture
   bool layers = true;            ///< make the float layers
-  std::set<std::string> wanted;  ///< layer names; empty: all
+  std::set<std::string> wanted = {};  ///< layer names; empty: all
   std::string debug = {};        ///< a name of known_debug_views() instead of the picture; empty: the picture
   /// Scene time since the last picture, s, for the adaptation of automatic exposure; 0: a still, which does not adapt.
   double frame_interval_s = 0.0;
   /// Its place in a sequence drawn by one renderer, 0 first: seeds noise.
   uint32_t frame_number = 0;
+  /// One of a stream of pictures that are wanted as fast as can be: light inside clouds comes from fewer, larger cells
+  /// from the first picture on, and grows finer while pictures follow each other (docs/light.md).
+  bool live = false;
   bool read_back = true;    ///< false: the 8-bit picture is made but not brought to the CPU; for benchmarks
   bool count_work = false;  ///< fill RenderTimings::steps_per_px, samples_per_px, light_*
   /// Quality reference: called between dispatches; false ends the picture where it is.
@@ -110,7 +113,7 @@ class Renderer {
   void read_layers(FrameReadback& readback, const FrameOutputs& out);
   void read_display(RenderResult& result, const FrameOutputs& out);
   void show_mean(RenderResult& result, const FrameReadback& readback, double interval_s);
-  void count_work(const FrameOutputs& out, size_t pixels);
+  void count_work(const FrameOutputs& out, size_t pixels, bool live);
   struct Parts;
   static std::vector<uint8_t> debug_picture(Parts& parts, const std::string& view, ImageRef image, size_t pixels);
   Scene scene_;

@@ -1,5 +1,7 @@
 #pragma once
 // What a renderer is made of; for renderer*.cpp and frame_passes.cpp.
+#include <array>
+#include <functional>
 #include <memory>
 
 #include "atmosphere/atmosphere_tables.h"
@@ -31,6 +33,7 @@ struct FrameNeeds {
   std::string debug = {};          ///< RenderRequest::debug
   double interval_s = 0.0;         ///< RenderRequest::frame_interval_s
   bool sequence = false;           ///< the picture follows the last one: what still holds may be taken from it
+  bool live = false;               ///< RenderRequest::live
 };
 
 /// References to what a frame leaves behind; empty where it has none.
@@ -52,15 +55,27 @@ struct Renderer::Parts {
     CloudParts(gpu::Device& device, const CloudParams& params, const WeatherSources& sources, uint32_t spectral_groups,
                const std::string& quality)
         : clouds(device, params, sources),
-          light(device, clouds, spectral_groups, CloudLight::quality_of(quality)),
+          make_light([&device, this, spectral_groups, quality](bool live) {
+            const bool software = device.info().is_software;
+            return std::make_unique<CloudLight>(
+                device, clouds, spectral_groups,
+                live ? CloudLight::live_quality_of(quality, software) : CloudLight::quality_of(quality));
+          }),
           ground(device),
           march(device, clouds, spectral_groups, quality == "high" || quality == "ultra"),
           upscaler(device, clouds),
           shadow_maps(device, clouds, params.shadows),
           shadow(device),
           debug(device, clouds) {}
+    /// Light inside clouds, of live pictures or of others; made when the first picture of its kind wants it.
+    CloudLight& light(bool live) {
+      std::unique_ptr<CloudLight>& of = lights[live ? 1 : 0];
+      if (!of) of = make_light(live);
+      return *of;
+    }
     Clouds clouds;
-    CloudLight light;
+    std::function<std::unique_ptr<CloudLight>(bool live)> make_light;
+    std::array<std::unique_ptr<CloudLight>, 2> lights;
     GroundMap ground;
     CloudMarchPass march;
     CloudUpscaler upscaler;

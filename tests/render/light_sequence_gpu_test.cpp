@@ -32,8 +32,8 @@ struct Drawn {
   uint32_t cells = 0, fresh = 0, refresh = 0;
 };
 
-Drawn draw(Renderer& renderer, uint32_t number) {
-  const RenderResult r = renderer.render({.frame_number = number, .count_work = true});
+Drawn draw(Renderer& renderer, uint32_t number, bool live = false) {
+  const RenderResult r = renderer.render({.frame_number = number, .live = live, .count_work = true});
   Drawn out;
   for (const char* name : {"R", "G", "B"})
     out.rgb.insert(out.rgb.end(), channel(r.layers, name).begin(), channel(r.layers, name).end());
@@ -171,6 +171,44 @@ TEST_CASE("gpu: light kept from frame to frame is that traced anew, for cameras 
     CHECK(kept > anew);
     CHECK(p.kept.fresh < p.kept.cells / 4);
   }
+}
+
+TEST_CASE("gpu: live pictures have the light of stills, nearly, from the first on") {
+  GpuFixture f;
+  Scene scene = light_scene(full_size() ? Extent2D{160, 90} : Extent2D{64, 36});
+  if (full_size()) scene.render.quality = "high";
+  constexpr uint32_t kFrames = 24;
+  std::vector<Drawn> stills;
+  for (const uint32_t seed : {1000u, 1001u}) {
+    Scene other = scene;
+    other.render.seed = seed;
+    Renderer renderer(f.device, {}, other);
+    stills.push_back(draw(renderer, 0));
+  }
+  const std::vector<float> mean = mean_shown(stills);
+  const auto bias = [&](const Drawn& d) {
+    double sum = 0.0, of = 0.0;
+    for (size_t k = 0; k < d.rgb.size(); ++k) {
+      const double still = 0.5 * static_cast<double>(stills[0].rgb[k] + stills[1].rgb[k]);
+      sum += static_cast<double>(d.rgb[k]) - still;
+      of += still;
+    }
+    return sum / of;
+  };
+  Renderer renderer(f.device, {}, scene);
+  const Drawn first = draw(renderer, 0, true);
+  Drawn last;
+  for (uint32_t i = 1; i <= kFrames; ++i) {
+    last = draw(renderer, i, true);
+    if (std::getenv("NEPHO_TEST_SHOW"))
+      MESSAGE("frame ", i, ": ", psnr(last.shown, mean), " dB, bias ", 100.0 * bias(last), " %, ", last.fresh, " fresh, ", last.refresh);
+  }
+  MESSAGE("live: first ", psnr(first.shown, mean), " dB, bias ", 100.0 * bias(first), " %, ", first.cells, " cells; after ", kFrames, " frames ",
+          psnr(last.shown, mean), " dB, bias ", 100.0 * bias(last), " %; stills ", psnr(stills[0].shown, mean_shown({stills[1]})),
+          " dB from each other, ", stills[0].cells, " cells");
+  CHECK(psnr(first.shown, mean) > 33.0);
+  CHECK(psnr(last.shown, mean) > 34.0);  // of one frame: the noise of its march is in it
+  CHECK(std::abs(bias(last)) < 0.015);
 }
 
 TEST_CASE("gpu: after a cut light is traced anew, as in a still; sequences are the same each time") {

@@ -15,7 +15,8 @@ constexpr double kFps = 60.0;
 
 Scene small_scene(Extent2D size) {
   Scene scene = reference_scene(half_sky("cumulus"), size);
-  scene.render.quality = "low";
+  const char* quality = std::getenv("NEPHO_TEST_QUALITY");
+  scene.render.quality = quality ? quality : "low";
   scene.render.frames = 1;
   scene.render.exposure_ev100 = 14.5;
   scene.terrain.shadows = false;
@@ -39,6 +40,7 @@ class Film {
     RenderRequest request;
     request.layers = layers;
     request.frame_number = number;
+    request.live = scene_.render.upscale > 1;  // as a viewer asks; what it is held against is drawn with care
     request.count_work = !layers;
     return renderer_->render(request);
   }
