@@ -13,7 +13,6 @@ layout(scalar, set = 0, binding = 2) uniform LightBlock { CloudLightConstants da
 layout(scalar, set = 0, binding = 3) buffer MarkBlock { uint at[]; } marks;
 layout(set = 0, binding = 4) uniform sampler2D depth_m;
 
-const float kDeepest = 30.0;     // optical depth of the grid beyond which nothing is seen, through gaps that it does not know
 const float kThinnest = 1.0e-6;  // 1/m
 
 void main() {
@@ -35,7 +34,7 @@ void main() {
   for (uint i = 0u; i < cells.slices; ++i) {
     float from = light_slice_m(cells, float(i)), to = light_slice_m(cells, float(i) + 1.0);
     flight.s = entry + 0.5 * (from + to);
-    if (entry + from > end || tau > kDeepest) break;
+    if (entry + from > end || tau > cells.deepest) break;
     Place here = place_on(flight);
     float above_m, below_m;
     int band = grid_band(grid, here.height_m, above_m, below_m);

@@ -15,6 +15,7 @@ struct LightCells {
   float growth;
   float log2_ratio;  // log2(1 + growth)
   uint stride_px;    // of the pixels whose rays say which cells are seen
+  float deepest;        // optical depth of the grid beyond which nothing is seen, through gaps that it does not know
   uint refresh_frames;  // in which each cell that has light gets a path more, once
   float smooth_m;      // cells share paths within this,
   float smooth_paths;  // and within so many free paths of the scaled medium

@@ -47,6 +47,7 @@ shared::LightCells cells_for(Extent2D extent, const CloudLight::Quality& quality
   c.smooth_paths = quality.smooth_paths;
   c.stride_px = std::max(1u, static_cast<uint32_t>(px / 2.0));
   c.refresh_frames = quality.refresh_frames;
+  c.deepest = quality.deepest;
   return c;
 }
 
@@ -70,15 +71,17 @@ CloudLight::Quality CloudLight::quality_of(const std::string& preset) {
 
 CloudLight::Quality CloudLight::live_quality_of(const std::string& preset, bool software) {
   Quality q = quality_of(preset);
-  q.paths = std::min(q.paths, 8u);
+  q.paths = std::min(q.paths, software ? 4u : 8u);
   q.most_nodes = std::min(q.most_nodes, software ? 40u : 64u);
-  q.slices = std::min(q.slices, 192u);
-  q.first_m = 50.0f;
+  q.slices = std::min(q.slices, software ? 96u : 192u);
+  q.first_m = software ? 100.0f : 50.0f;
   q.smooth_m = 100.0f;
   q.smooth_paths = 1.0f;
+  q.deepest = 12.0f;
   q.grid_texels = std::min(q.grid_texels, software ? 96u : 192u);
   q.grid_slices = std::min(q.grid_slices, software ? 48u : 96u);
-  q.refresh_frames = software ? 16 : 8;
+  q.refresh_frames = software ? 32 : 8;
+  q.round_frames = software ? 96 : 32;
   return q;
 }
 
@@ -90,7 +93,8 @@ CloudLight::CloudLight(gpu::Device& device, const Clouds& clouds, uint32_t spect
             {.texels = quality.grid_texels,
              .slices = quality.grid_slices,
              .finest_half_m = quality.finest_half_m,
-             .all_around = quality.all_around}),
+             .all_around = quality.all_around,
+             .round_frames = quality.round_frames}),
       clear_(device, {.name = "clouds.light_clear", .spirv = light_clear_comp}),
       mark_(device, {.name = "clouds.light_mark", .spirv = light_mark_comp}),
       list_(device, {.name = "clouds.light_list", .spirv = light_list_comp}),
