@@ -39,6 +39,12 @@ vec4 sharp_history(vec2 at_px) {
   return sum / total;
 }
 
+// Whether a pixel's ray ends about as far away.
+bool same_surface(ivec2 at, float surface_m) {
+  float there_m = min(texelFetch(depth_m, at, 0).r, kFarDepth_m);
+  return max(there_m, surface_m) < 1.5 * min(there_m, surface_m);
+}
+
 void main() {
   FrameConstants f = frame.frame_data;
   UpscaleConstants u = upscale.data;
@@ -55,33 +61,21 @@ void main() {
   bool marched = info.w >= 0.0;
   ivec2 last = ivec2(f.size) - 1;
 
-  // This frame's samples around: their mean and spread, those before another surface left out.
+  // Of this frame's samples around the nearest, for pixels that know no cloud, and its layer. Loops, where an `if` would do: a software
+  // device skips a loop that no lane wants, and pays for a branch that none takes.
   ivec2 centre = nearest_in_pattern(u, pixel);
-  float step_px = length(vec2(u.step_x));
-  vec4 mean = vec4(0.0), squares = vec4(0.0), filled = vec4(0.0);
-  float weight = 0.0, fill_weight = 0.0, closest_m = info.x, layer_m = kFarDepth_m;
-  float layer = info.z;
-  for (int i = 0; i < 9; ++i) {
+  float closest_m = info.x, layer_m = kFarDepth_m, layer = info.z;
+  bool unknown = info.x > 0.5 * kFarDepth_m;
+  for (int i = 0; i < (marched && !unknown ? 0 : 9); ++i) {
     ivec2 at = centre + (i % 3 - 1) * u.step_x + (i / 3 - 1) * u.step_y;
     if (any(lessThan(at, ivec2(0))) || any(greaterThan(at, last))) continue;
-    vec4 seen = texelFetch(cloud_radiance, at, 0);
-    vec4 there = texelFetch(cloud_info, at, 0);
-    float before_m = min(texelFetch(depth_m, at, 0).r, kFarDepth_m);
-    float same = max(before_m, surface_m) < 1.5 * min(before_m, surface_m) ? 1.0 : 0.0;
-    vec2 off = vec2(at - pixel) / step_px;
-    float w = same * exp(-0.5 * dot(off, off));
-    vec4 c = to_box_space(seen);
-    mean += w * c;
-    squares += w * c * c;
-    weight += w;
-    float near_by = same * max(1.0 - abs(off.x), 0.0) * max(1.0 - abs(off.y), 0.0) + 1.0e-4 * w;
-    filled += near_by * seen;
-    fill_weight += near_by;
-    if (same > 0.0) {
-      if (info.x > 0.5 * kFarDepth_m) closest_m = min(closest_m, there.x);
-      if (there.x < layer_m && !marched) {
+    vec2 there = texelFetch(cloud_info, at, 0).xz;
+    bool nearer = unknown && there.x < closest_m, first = !marched && there.x < layer_m;
+    if ((nearer || first) && same_surface(at, surface_m)) {
+      if (nearer) closest_m = there.x;
+      if (first) {
         layer_m = there.x;
-        layer = there.z;
+        layer = there.y;
       }
     }
   }
@@ -108,14 +102,10 @@ void main() {
     vec4 fits = history_fits(at, length(dir * surface_m + shift_of(surface_m)), closest_m);
     float share = dot(fits, vec4(1.0));
     vec2 low = floor(at - 0.5);
-    if (share > 0.999) {
-      before = sharp_history(at);
-    } else {
-      before = vec4(0.0);
-      for (int i = 0; i < 4; ++i)
-        before += fits[i] * texelFetch(last_radiance, clamp(ivec2(low) + ivec2(i & 1, i >> 1), ivec2(0), last), 0);
-      before /= max(share, 1.0e-6);
-    }
+    before = vec4(0.0);
+    for (int i = 0; i < (share > 0.999 ? 0 : 4); ++i)
+      before += fits[i] / max(share, 1.0e-6) * texelFetch(last_radiance, clamp(ivec2(low) + ivec2(i & 1, i >> 1), ivec2(0), last), 0);
+    if (share > 0.999) before = sharp_history(at);
     samples = float(history_samples(texelFetch(last_place, history_texel(at), 0).x));
     moved_px = length(at - vec2(pixel) - 0.5);
     vec2 turned;
@@ -129,6 +119,25 @@ void main() {
   // A picture that only turns keeps what it has: where samples are far apart, what none of them met is none the less there. What moves
   // against what is behind it may leave ghosts.
   float moving = smoothstep(kNoParallax_px, kMuchParallax_px, parallax_px);
+  // This frame's samples around: their mean and spread, those before another surface left out.
+  float step_px = length(vec2(u.step_x));
+  vec4 mean = vec4(0.0), squares = vec4(0.0), filled = vec4(0.0);
+  float weight = 0.0, fill_weight = 0.0;
+  for (int i = 0; i < (moving > 0.0 || found == 0.0 ? 9 : 0); ++i) {
+    ivec2 at = centre + (i % 3 - 1) * u.step_x + (i / 3 - 1) * u.step_y;
+    if (any(lessThan(at, ivec2(0))) || any(greaterThan(at, last))) continue;
+    vec4 seen = texelFetch(cloud_radiance, at, 0);
+    float same = same_surface(at, surface_m) ? 1.0 : 0.0;
+    vec2 off = vec2(at - pixel) / step_px;
+    float w = same * exp(-0.5 * dot(off, off));
+    vec4 c = to_box_space(seen);
+    mean += w * c;
+    squares += w * c * c;
+    weight += w;
+    float near_by = same * max(1.0 - abs(off.x), 0.0) * max(1.0 - abs(off.y), 0.0) + 1.0e-4 * w;
+    filled += near_by * seen;
+    fill_weight += near_by;
+  }
   if (weight > 0.0 && moving > 0.0) {
     mean /= weight;
     vec4 spread = sqrt(max(squares / weight - mean * mean, vec4(0.0)));

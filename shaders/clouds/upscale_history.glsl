@@ -17,10 +17,13 @@ vec3 shift_of(float distance_m) { return distance_m > 0.5 * kFarDepth_m ? vec3(0
 // both are as far; or an opaque cloud hides which; or there were none, and now the ray is shorter.
 bool surface_fits(float surface_m, vec2 place, ivec2 texel) {
   float seen_m = place.y;
-  if (abs(surface_m - seen_m) <= kNearlySame * min(surface_m, seen_m)) return true;
-  float through = texelFetch(last_radiance, texel, 0).a;
-  if (seen_m > surface_m) return through > 0.999;
-  return through < 0.001 && history_depth(place.x) < seen_m;
+  bool fits = abs(surface_m - seen_m) <= kNearlySame * min(surface_m, seen_m);
+  // A loop where an `if` would do: a software device skips it when no lane wants it, and would pay for a branch that none takes.
+  for (int i = 0; i < (fits ? 0 : 1); ++i) {
+    float through = texelFetch(last_radiance, texel, 0).a;
+    fits = seen_m > surface_m ? through > 0.999 : through < 0.001 && history_depth(place.x) < seen_m;
+  }
+  return fits;
 }
 
 // Shares of the four texels around a place in the last frame (x, x + 1; next row) that history may come from; 0 where a surface in front
