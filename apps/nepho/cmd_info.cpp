@@ -39,7 +39,7 @@ Table find_data(const RasterAccess& rasters) {
 std::string package_of(const std::string& data, const RasterAccess& rasters) {
   const bool is_earth =
       data == "elevation" || data == "imagery" || data == "moon" || data == "stars" || data == "night";
-  if (is_earth && !rasters.has_gdal()) return "not used: this build has no GDAL";
+  if (is_earth && !rasters.has_gdal()) return "missing: ./nepho package makes a folder with it";
   if (data == "elevation") return "missing: apt-get install ferret-datasets";
   if (data == "imagery" || data == "moon" || data == "stars") return "missing: apt-get install marble-qt-data";
   if (data == "night") return "missing: apt-get install xplanet-images";
@@ -50,7 +50,7 @@ std::string package_of(const std::string& data, const RasterAccess& rasters) {
 Table library_versions(const RasterAccess& rasters) {
   return {{"Vulkan headers", fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(VK_HEADER_VERSION_COMPLETE),
                                          VK_API_VERSION_MINOR(VK_HEADER_VERSION_COMPLETE), VK_HEADER_VERSION)},
-          {"GDAL", rasters.has_gdal() ? rasters.gdal_version : "none: reads no rasters"},
+          {"GDAL", rasters.has_gdal() ? rasters.gdal_version : "none: reads the baked Earth only"},
           {"GeographicLib", GEOGRAPHICLIB_VERSION_STRING},
           {"ERFA", eraVersion()},
           {"OpenEXR", OPENEXR_VERSION_STRING},

@@ -16,7 +16,10 @@ struct RasterAccess {
   bool has_gdal() const { return !gdal_version.empty(); }
 };
 
-/// Access that opens nothing and knows of no default Earth: every raster is an Error(input) of one line.
-RasterAccess no_rasters();
+/// The default Earth as `nepho_bake` left it in data_dir()/earth; what is not there is empty.
+DefaultEarth find_baked_earth();
+
+/// Access without GDAL: opens the baked default Earth; every other raster is an Error(input) of one line.
+RasterAccess baked_rasters();
 
 }  // namespace nepho

@@ -130,8 +130,11 @@ TerrainSources open_terrain(const RasterAccess& rasters, const Scene& scene, Bad
     if (earth.elevation.empty()) missing.push_back("ferret-datasets (elevation)");
     if (earth.imagery.empty()) missing.push_back("marble-qt-data (imagery)");
     if (earth.night.empty()) missing.push_back("xplanet-images (night lights)");
-    if (!rasters.has_gdal())
-      log_warning("this build has no GDAL, and so no default Earth: the ground is bare and at sea level");
+    if (!missing.empty() && !rasters.has_gdal())
+      log_warning(
+          "this build has no GDAL, and its folder no baked {}: there the ground is bare and at sea level; "
+          "./nepho package makes a folder with the Earth",
+          missing.size() == 3 ? "Earth" : "elevation, imagery or night lights");
     else if (!missing.empty())
       log_warning(
           "part of the default Earth is not installed: {}; install with apt-get install --no-install-recommends",
@@ -171,7 +174,8 @@ SkySources open_sky(const RasterAccess& rasters, const Scene& scene) {
     log_warning("{}", rasters.has_gdal()
                           ? "marble-qt-data is not installed: the moon is plain grey and there are no stars; install "
                             "it with apt-get install --no-install-recommends marble-qt-data"
-                          : "this build has no GDAL: the moon is plain grey and there are no stars");
+                          : "this build has no GDAL, and its folder no baked moon and stars: the moon is plain grey "
+                            "and there are no stars");
   if (scene.night_sky.moon && !earth.moon.empty())
     sources.moon_texture = Opening(scene.terrain.source_timeout_s, BadSource::warning)(
         earth.moon, [opener = rasters.opener, earth] { return opener->open_imagery(earth.moon); });

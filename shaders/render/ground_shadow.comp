@@ -13,20 +13,39 @@ layout(set = 0, binding = 21, r32f) uniform writeonly image2D sun_visibility;
 
 const int kTaps = 8;
 
-// Mean over the light's disc as the point sees it through a layer of clouds at their middle height.
+// Mean of one cascade over the light's disc, whose radius there is in texels; at most a tile's width, which is there around
+// every usable one.
+float soft_read(uint k, vec3 p, float radius) {
+  // Bilinear reads are as wide as a texel already.
+  int taps = radius > 0.7 ? kTaps : 1;
+  float width = taps > 1 ? min(radius, float(kShadowTile)) : 0.0, sum = 0.0;
+  for (int i = 0; i < taps; ++i) {
+    // Points of equal area each, at golden angles (Vogel 1979).
+    float r = width * sqrt((float(i) + 0.5) / float(kTaps)), a = 2.399963 * float(i);
+    sum += shadow_read(k, p, r * vec2(cos(a), sin(a)));
+  }
+  return sum / float(taps);
+}
+
+// cloud_sun_transmittance() of a disc as the point sees it through a layer of clouds at their middle height.
 float soft_transmittance(vec3 p) {
   float climb = max(dot(geodetic_up(frame.frame_data.planet, p), SHADOW.light), 0.02);
   float above_m = max(0.5 * (SHADOW.hull_low_m + SHADOW.hull_high_m) - geodetic_height(frame.frame_data.planet, p), 0.0);
   float radius_m = min(above_m / climb, 60.0e3) * frame.frame_data.sun_angular_radius_rad;
-  // Bilinear reads are as wide as a texel already.
-  int taps = radius_m > 0.7 * SHADOW.at[0].texel_m ? kTaps : 1;
-  float sum = 0.0;
-  for (int i = 0; i < taps; ++i) {
-    // Points of equal area each, at golden angles (Vogel 1979).
-    float r = taps > 1 ? radius_m * sqrt((float(i) + 0.5) / float(kTaps)) : 0.0, a = 2.399963 * float(i);
-    sum += cloud_sun_transmittance(p + SHADOW.axis_x * (r * cos(a)) + SHADOW.axis_y * (r * sin(a)));
+  float distance_m = length(p), sum = 0.0, left = 1.0;
+  // Where the disc is wider than tiles, the next cascade's.
+  uint first = 0u;
+  while (first + 1u < SHADOW.cascades && radius_m > float(kShadowTile) * SHADOW.at[first].texel_m) ++first;
+  uint k = shadow_cascade_at(p, distance_m, first);
+  while (left > 0.0) {
+    bool none = k >= SHADOW.cascades;
+    ShadowCascade c = SHADOW.at[min(k, SHADOW.cascades - 1u)];
+    float share = none ? left : left * clamp((c.reach_m - distance_m) / (c.reach_m - c.fade_m), 0.0, 1.0);
+    sum += share * (none ? shadow_outside(p) : soft_read(k, p, radius_m / c.texel_m));
+    left -= share;
+    if (left > 0.0) k = shadow_cascade_at(p, distance_m, k + 1u);
   }
-  return sum / float(taps);
+  return sum;
 }
 
 void main() {
@@ -34,6 +53,7 @@ void main() {
   if (any(greaterThanEqual(pixel, ivec2(frame.frame_data.size)))) return;
   float distance = texelFetch(depth_m, pixel, 0).r;
   bool surface = distance < 0.5 * kFarDepth_m;
-  float visible = soft_transmittance(pixel_direction(frame.frame_data, vec2(pixel) + 0.5) * (surface ? distance : 0.0));
-  imageStore(sun_visibility, pixel, vec4(surface ? visible : 1.0));
+  float visible = 1.0;
+  if (surface && SHADOW.cascades > 0u) visible = soft_transmittance(pixel_direction(frame.frame_data, vec2(pixel) + 0.5) * distance);
+  imageStore(sun_visibility, pixel, vec4(visible));
 }

@@ -14,12 +14,14 @@ layout(set = 0, binding = 1) uniform sampler2DArray terrain_shadow_tex;
 layout(scalar, set = 0, binding = 2) uniform TerrainShadowBlock { TerrainShadowConstants data; } terrain_shadow;
 layout(set = 0, binding = 3, rgba32f) uniform writeonly image2DArray out_volume;  // xy: height and half width of the first, m; zw: of the second
 
+layout(push_constant) uniform Push { uint first_level; } push;
+
 const int kSteps = 640;
 const float kTolerance = 0.1;   // of the half width of a penumbra: what raises a shadow by less may be leapt over
 const float kDeepest_m = 300.0;  // below ground of this texel nobody asks
 
 void main() {
-  ivec3 texel = ivec3(gl_GlobalInvocationID);
+  ivec3 texel = ivec3(gl_GlobalInvocationID) + ivec3(0, 0, push.first_level);
   PlanetView planet = frame.frame_data.planet;
   RegionMap map = terrain_shadow.data.map;
   float highest = terrain_shadow.data.highest_m, radius = frame.frame_data.sun_angular_radius_rad;

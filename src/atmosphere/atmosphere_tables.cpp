@@ -23,15 +23,18 @@ uint64_t hash_value(const T& value, uint64_t seed) {
   return hash_bytes(std::as_bytes(std::span(&value, 1)), seed);
 }
 
-/// Everything that the tables' bits depend on: parameters, shaders (with their sizes), device and driver.
-uint64_t cache_key(const gpu::Device& device, const AtmosphereParams& p, const AtmosphereConstants& constants) {
+/// Everything that the tables depend on but the device's rounding: parameters and shaders (with their sizes).
+uint64_t cache_key(const AtmosphereParams& p, const AtmosphereConstants& constants) {
   uint64_t key = atmosphere_build_hash();
   key = hash_value(constants.data, key);
   key = hash_value(constants.spectral_groups, key);
   key = hash_value(p.scattering_orders, key);
-  for (const std::string& s : {device.info().name, device.info().driver})
-    key = hash_bytes(std::as_bytes(std::span(s.data(), s.size())), key);
   return key;
+}
+
+uint64_t hash_of(const gpu::DeviceInfo& device) {
+  const std::string who = device.name + device.driver;
+  return hash_bytes(std::as_bytes(std::span(who)));
 }
 
 }  // namespace
@@ -50,9 +53,7 @@ AtmosphereTables::AtmosphereTables(gpu::Device& device, const AtmosphereParams& 
   mirror_ = device.create_image({"atmosphere.mirror_tex", {x, u32(shared::kMirrorMu), 3}, Format::rgba32f});
   sky_view_ = gpu::ComputePipeline(device, {"atmosphere.sky_view", sky_view_comp, {spectral_groups()}});
 
-  key_ = cache_key(device, params, constants_);
-  const std::filesystem::path folder = cache_dir();
-  if (!folder.empty()) cache_file_ = folder / fmt::format("atmosphere-{:016x}.bin", key_);
+  key_ = cache_key(params, constants_);
   came_from_cache_ = load();
   if (!came_from_cache_) {
     log_info("computing the atmosphere's tables ({} scattering orders)", params.scattering_orders);
@@ -87,14 +88,15 @@ bool AtmosphereTables::advance(double budget_ms) {
   return !build_;
 }
 
+std::string AtmosphereTables::cache_name() const { return fmt::format("atmosphere-{:016x}.bin", key_); }
+
 bool AtmosphereTables::load() {
-  if (cache_file_.empty()) return false;
   std::vector<size_t> sizes;
   for (const gpu::Image* image : images()) {
     const ImageDesc& d = image->desc();
     sizes.push_back(size_t{d.extent.width} * d.extent.height * d.extent.depth * bytes_per_texel(d.format));
   }
-  const auto blocks = load_cached_blocks(cache_file_, key_, sizes);
+  const auto blocks = load_cached_blocks(cache_name(), key_, hash_of(device_.info()), sizes);
   if (!blocks) return false;
   std::vector<gpu::ImageUpload> uploads;
   for (size_t i = 0; i < blocks->size(); ++i) uploads.push_back({images()[i], (*blocks)[i], 0, 0});
@@ -103,10 +105,9 @@ bool AtmosphereTables::load() {
 }
 
 void AtmosphereTables::save() const {
-  if (cache_file_.empty()) return;
   std::vector<std::vector<std::byte>> blocks;
   for (const gpu::Image* image : images()) blocks.push_back(device_.download(*image));
-  save_cached_blocks(cache_file_, key_, blocks);
+  save_cached_blocks(cache_name(), key_, hash_of(device_.info()), blocks);
 }
 
 AtmosphereTables::Refs AtmosphereTables::add(FrameGraph& graph, std::span<const shared::SkyView> views) const {

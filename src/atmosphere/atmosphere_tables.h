@@ -1,6 +1,5 @@
 #pragma once
 #include <array>
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -55,8 +54,8 @@ class AtmosphereTables {
   double build_ms() const { return build_ms_; }  ///< wall time of loading or building
   /// GPU time of each pass of a build, ms; empty when loaded.
   const std::vector<std::pair<std::string, double>>& step_ms() const { return step_ms_; }
-  /// The file that holds these tables; empty without a cache folder.
-  const std::filesystem::path& cache_file() const { return cache_file_; }
+  /// The cache's name for these tables.
+  std::string cache_name() const;
 
  private:
   std::array<const gpu::Image*, 4> images() const { return {&transmittance_, &irradiance_, &source_, &mirror_}; }
@@ -73,7 +72,6 @@ class AtmosphereTables {
   bool came_from_cache_ = false;
   double build_ms_ = 0.0;
   std::vector<std::pair<std::string, double>> step_ms_;
-  std::filesystem::path cache_file_;
 };
 
 }  // namespace nepho

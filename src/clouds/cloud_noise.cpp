@@ -83,12 +83,12 @@ MippedVolume make_volume(const Volume& volume, Planes planes, uint32_t size, con
 class Generator {
  public:
   explicit Generator(gpu::Device& device) : device_(device), executor_(device) {}
-  /// The volume, from cache_dir() where it is there. The key holds the shader, the recipe and the device, whose
-  /// arithmetic may round in its own way.
+  /// The volume, from the cache where it is there. The key holds the shader and the recipe; the device's arithmetic may
+  /// round in its own way.
   MippedVolume cached(const Volume& volume) {
     std::vector<std::vector<NoiseDispatch>> channels;
-    const std::string who = device_.info().name + device_.info().driver;
-    uint64_t key = kNoiseVersion + checksum(std::span(cloud_noise_comp)) + 31 * checksum(std::span(who));
+    const uint64_t who = checksum(std::string_view(device_.info().name + device_.info().driver));
+    uint64_t key = kNoiseVersion + checksum(std::span(cloud_noise_comp));
     for (uint32_t c = 0; c < volume.channels.size(); ++c) {
       const auto name = static_cast<uint32_t>(checksum(std::string_view(volume.name)));
       channels.push_back(noise_dispatches(volume.channels[c], volume.size, name + c));
@@ -101,7 +101,7 @@ class Generator {
     MippedVolume made{.size = volume.size, .texels = {}, .variances = {}};
     made.variances.resize(mips * bytes_per_texel(volume.format) / volume.bytes_per_channel);
     const size_t tail = made.variances.size() * sizeof(float);
-    if (auto blob = load_cached_blob(file, key); blob && blob->size() == texels + tail) {
+    if (auto blob = load_cached_blob(file, key, who); blob && blob->size() == texels + tail) {
       std::memcpy(made.variances.data(), blob->data() + texels, tail);
       blob->resize(texels);
       made.texels = std::move(*blob);
@@ -111,7 +111,7 @@ class Generator {
     std::vector<std::byte> blob = made.texels;
     blob.resize(texels + tail);
     std::memcpy(blob.data() + texels, made.variances.data(), tail);
-    store_cached_blob(file, key, blob);
+    store_cached_blob(file, key, blob, who);
     return made;
   }
 

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <limits>
 
+#include "base/files.h"
 #include "base/log.h"
 #include "geo/geodetic.h"
 
@@ -62,6 +63,7 @@ std::filesystem::path Geoid::find_egm96() {
       begin = end + 1;
     }
   }
+  folders.push_back((data_dir() / "earth").string());
   folders.insert(folders.end(), {"/usr/share/proj", "/usr/local/share/proj"});
   for (const std::string& folder : folders) {
     const std::filesystem::path file = std::filesystem::path(folder) / "egm96_15.gtx";

@@ -16,8 +16,8 @@ class Geoid {
   /// Reads a grid; empty path or an unreadable file: not available, `problem()` says why.
   explicit Geoid(const std::filesystem::path& gtx_file);
 
-  /// The file as PROJ finds it: the folders of $PROJ_DATA and $PROJ_LIB, then /usr/share/proj and
-  /// /usr/local/share/proj. Empty when it is nowhere.
+  /// The file as PROJ finds it: the folders of $PROJ_DATA and $PROJ_LIB, then that of a packaged program
+  /// (data_dir()/earth), /usr/share/proj and /usr/local/share/proj. Empty when it is nowhere.
   static std::filesystem::path find_egm96();
 
   bool available() const { return !values_m_.empty(); }

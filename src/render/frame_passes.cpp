@@ -37,11 +37,14 @@ FrameOutputs Renderer::Parts::add_frame(FrameGraph& graph, const FrameInfo& fram
   const bool terrain_shades =
       scene.terrain.shadows && terrain_shadow_map.update(terrain.heights(), frame, needs.incomplete_ground);
   const TerrainVolumeRefs terrain_air =
-      terrain_shades ? terrain_shadow_map.add_volume(graph, frame) : TerrainVolumeRefs{};
+      terrain_shades ? terrain_shadow_map.add_volume(graph, frame, needs.sequence) : TerrainVolumeRefs{};
   if (clouds) {
     density = import_cloud_density(graph, frame, clouds->clouds);
     CloudLight& light_inside = clouds->light(needs.live);
-    clouds->ground.update(terrain.heights(), terrain.imagery(), light_inside.region(frame));
+    clouds->ground.update(terrain.heights(), terrain.imagery(), light_inside.region(frame),
+                          !needs.sequence           ? GroundMap::Follow::exactly
+                          : needs.incomplete_ground ? GroundMap::Follow::in_background
+                                                    : GroundMap::Follow::near);
     const GroundMap::Refs ground = clouds->ground.import_into(graph);
     cloud_light = light_inside.add(graph, frame,
                                     {.depth_m = surface.depth_m,

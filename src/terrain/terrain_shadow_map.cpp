@@ -26,6 +26,8 @@ constexpr double kLooksDownFrom_m = 15e3;   ///< cameras above have the map wher
 constexpr double kHighestLight_rad = 1.05;  ///< slopes are hardly ever steeper: 60 degrees
 constexpr double kLowestLight_rad = -0.1;   ///< nothing on Earth is lit from so far below the horizon
 constexpr float kEven_m = 1.0f;
+/// In sequences: a fifth of the sun's radius, far less than a penumbra; and what a cut turns it by.
+constexpr double kTurned_rad = 0.9e-3, kTurnedFar_rad = 3e-3;
 constexpr double kMoves = 0.25;  ///< of level 0's half side, before the map follows the camera
 
 /// The nested maps that a camera wants: finer the nearer it is to the ground, and as wide as it can see mountains, and
@@ -130,7 +132,7 @@ void TerrainShadowMap::show(const Made& made) {
   }
   constants_ = {.map = map, .highest_m = made.highest_m};
   lowest_m_ = made.lowest_m;
-  volume_filled_ = false;
+  volume_lights_.clear();
 }
 
 void TerrainShadowMap::update(const HeightSampler& heights, const shared::RegionMap& map) {
@@ -181,7 +183,7 @@ double TerrainShadowMap::shade_top_m(const FrameInfo& frame) const {
          0.5 * static_cast<double>(c.planet.a_m) * std::min(below_rad * below_rad, 0.01);
 }
 
-TerrainVolumeRefs TerrainShadowMap::add_volume(FrameGraph& graph, const FrameInfo& frame) {
+TerrainVolumeRefs TerrainShadowMap::add_volume(FrameGraph& graph, const FrameInfo& frame, bool sequence) {
   NEPHO_ASSERT(image_);
   const uint32_t levels = constants_.map.levels;
   if (!volume_ || volume_.desc().layers != levels) {
@@ -189,18 +191,32 @@ TerrainVolumeRefs TerrainShadowMap::add_volume(FrameGraph& graph, const FrameInf
                                     .extent = {shared::kShadowTexels, shared::kShadowTexels},
                                     .format = Format::rgba32f,
                                     .layers = levels});
-    volume_filled_ = false;
+    volume_lights_.clear();
   }
   const TerrainVolumeRefs refs{graph.import(volume_), graph.constants("terrain.volume_map", constants_.map)};
-  if (volume_filled_ && volume_light_ == frame.constants.key_dir) return refs;
-  volume_filled_ = true;
-  volume_light_ = frame.constants.key_dir;
+  const glm::vec3 light = frame.constants.key_dir;
+  volume_lights_.resize(levels, glm::vec3(0.0f));  // of none
+  uint32_t first = 0, count = levels;
+  double turned = 0.0;  // the most of a level's light, rad
+  for (uint32_t level = 0; level < levels; ++level) {
+    const double by = static_cast<double>(glm::length(light - volume_lights_[level]));
+    if (by <= turned) continue;
+    turned = by;
+    first = level;
+  }
+  const bool one_by_one = sequence && turned < kTurnedFar_rad;
+  if (turned <= (one_by_one ? kTurned_rad : 0.0)) return refs;
+  if (one_by_one)
+    count = 1;
+  else
+    first = 0;
+  std::fill_n(volume_lights_.begin() + first, count, light);
   if (!bake_) bake_ = gpu::ComputePipeline(device_, {.name = "terrain.volume", .spirv = terrain_volume_comp});
   auto bake = graph.pass("terrain.volume");
-  bake.uniform("frame", frame.buffer).write("out_volume", refs.shadow).effect();
+  bake.uniform("frame", frame.buffer).read_write("out_volume", refs.shadow).effect();
   bind_terrain_shadow(bake, import_into(graph));
-  bake.record([this, levels](gpu::Commands& cmd) {
-    cmd.bind(bake_).dispatch_threads(shared::kShadowTexels, shared::kShadowTexels, levels);
+  bake.record([this, first, count](gpu::Commands& cmd) {
+    cmd.bind(bake_).push(first).dispatch_threads(shared::kShadowTexels, shared::kShadowTexels, count);
   });
   return refs;
 }

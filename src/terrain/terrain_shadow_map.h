@@ -38,8 +38,9 @@ class TerrainShadowMap {
   Refs import_into(FrameGraph& graph) const;
 
   /// How high shadows reach over every place of the map: shaders/terrain/terrain_volume.glsl. Made anew where the map
-  /// or the frame's key light is another than before.
-  TerrainVolumeRefs add_volume(FrameGraph& graph, const FrameInfo& frame);
+  /// or the frame's key light is another than before. `sequence`: the picture follows the last one; then a light that
+  /// turns slowly is followed in steps of 0.05 degrees, one level a frame.
+  TerrainVolumeRefs add_volume(FrameGraph& graph, const FrameInfo& frame, bool sequence = false);
   /// Geodetic height that no shadow on this side of the planet's own reaches.
   double shade_top_m(const FrameInfo& frame) const;
   const shared::TerrainShadowConstants& constants() const { return constants_; }
@@ -48,7 +49,7 @@ class TerrainShadowMap {
   /// A map before it is on the GPU.
   struct Made {
     shared::RegionMap map{};
-    std::vector<std::vector<std::vector<float>>> mips;  ///< by level
+    std::vector<std::vector<std::vector<float>>> mips;  ///< by level; those that are missing have none yet
     float lowest_m = 0.0f, highest_m = 0.0f;
   };
   static Made make(const HeightSampler& heights, const shared::RegionMap& map);
@@ -61,8 +62,7 @@ class TerrainShadowMap {
   float lowest_m_ = 0.0f;
   gpu::ComputePipeline bake_;
   gpu::Image volume_;
-  bool volume_filled_ = false;
-  glm::vec3 volume_light_{0.0f};
+  std::vector<glm::vec3> volume_lights_;  ///< by level; those that are missing have none yet
   bool draft_ = false;             ///< what is shown lacks what would have taken long to read
   std::atomic<bool> stop_{false};  ///< ends `next_`
   std::future<Made> next_;         ///< being made in the background

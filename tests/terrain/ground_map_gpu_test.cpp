@@ -7,6 +7,7 @@
 #include "gpu/pipeline.h"
 #include "ground_fixture.h"
 #include "terrain/test_ground.comp.h"
+#include "test_rasters.h"
 
 using namespace nepho;
 using namespace nepho::test;
@@ -113,6 +114,35 @@ TEST_CASE("gpu: across the borders of its levels the ground map changes by no mo
       REQUIRE(std::abs(got[i].albedo - got[i + 1].albedo) < 1e-3 + 0.4 * texel_rad);
     }
   }
+}
+
+TEST_CASE("gpu: in sequences the ground map stays while it serves, and the next one may come from the background") {
+  GpuFixture gpu;
+  const HeightSampler heights({smooth_elevation()}, true, nullptr);
+  const ImagerySampler imagery({smooth_imagery()}, heights);
+  GroundMap ground(gpu.device), exact(gpu.device);
+  const auto at = [](double lat_deg) { return map_at(lat_deg, 30.0, 4, 4e3); };
+  const auto follows = [&](double lat_deg, GroundMap::Follow how) {
+    ground.update(heights, imagery, at(lat_deg), how);
+    return ground.map().centre == at(lat_deg).centre;
+  };
+  CHECK(follows(20.0, GroundMap::Follow::in_background));  // the first picture waits
+  CHECK_FALSE(follows(20.005, GroundMap::Follow::near));   // 550 m of 1 km
+  CHECK(follows(20.005, GroundMap::Follow::exactly));
+  CHECK(follows(20.02, GroundMap::Follow::near));
+  CHECK_FALSE(follows(20.05, GroundMap::Follow::in_background));
+  for (int i = 0; i < 6000 && !follows(20.05, GroundMap::Follow::in_background); ++i) sleep_s(0.01);
+  CHECK(follows(20.05, GroundMap::Follow::near));
+  exact.update(heights, imagery, at(20.05));
+  const std::vector<dvec2> xy = {{10.0, 20.0}, {-3e3, 500.0}, {20e3, -30e3}};
+  const std::vector<Ground> got = look_up(gpu, ground, xy), wanted = look_up(gpu, exact, xy);
+  for (size_t i = 0; i < xy.size(); ++i) {
+    CHECK(got[i].height_m == wanted[i].height_m);
+    CHECK(got[i].albedo == wanted[i].albedo);
+  }
+  // One that is still being made for a place that was left holds nobody up.
+  follows(20.2, GroundMap::Follow::in_background);
+  CHECK(follows(20.5, GroundMap::Follow::exactly));
 }
 
 TEST_CASE("gpu: beyond its last level the ground map gives its rim") {

@@ -38,14 +38,14 @@ struct Rig {
     frame.constants.sun_angular_radius_rad = static_cast<float>(kDisc_rad);
   }
 
-  /// `by_map`: by the map of shadow heights, for the air; else by the march.
-  std::vector<double> shares(const std::vector<Geodetic>& places, bool by_map = false) {
+  /// `by_map`: by the map of shadow heights, for the air; else by the march. `sequence`: the map may lag behind the light.
+  std::vector<double> shares(const std::vector<Geodetic>& places, bool by_map = false, bool sequence = false) {
     std::vector<vec4> points;
     for (const Geodetic& p : places) points.push_back(vec4(vec3(ecef_from_geodetic(p) - frame.camera_ecef_m), 0.0f));
     FrameGraph graph;
     const BufferRef out = graph.create_buffer("shares", points.size() * sizeof(float));
     frame.buffer = graph.constants("frame", frame.constants);
-    const TerrainVolumeRefs volume = by_map ? map.add_volume(graph, frame) : TerrainVolumeRefs{};
+    const TerrainVolumeRefs volume = by_map ? map.add_volume(graph, frame, sequence) : TerrainVolumeRefs{};
     auto pass = graph.pass("test.terrain_shadow");
     pass.uniform("frame", frame.buffer).read("points", graph.constants("points", points)).write("shares", out);
     if (by_map)
@@ -224,6 +224,33 @@ TEST_CASE("gpu: in the air over hills the map of shadow heights says what the ma
     REQUIRE(shaded > 0.02 * static_cast<double>(places.size()));
     CHECK(off < 0.01 * static_cast<double>(places.size()));
   }
+}
+
+TEST_CASE("gpu: in a sequence the map of shadow heights follows the light in steps, level by level; else at once") {
+  Rig rig;
+  const HeightSampler heights({wall()}, false, nullptr);
+  constexpr uint32_t kLevels = 6;
+  constexpr double kLow_rad = 0.03;
+  std::vector<Geodetic> places;
+  for (double away_m = 1e3; away_m < 30e3; away_m *= 1.5)
+    for (double h = 2.0; h < 1000.0; h += 50.0)
+      places.push_back(Geodetic::from_degrees(0.0, kWallFrom_deg - deg_from_rad(away_m / kA), h));
+  rig.look(20.0, kLow_rad);
+  const shared::RegionMap map = make_region_map(rig.frame.camera_ecef_m, 2e3, kLevels);
+  rig.map.update(heights, map);
+  const auto at = [&](double elevation_rad, bool sequence) {
+    rig.look(20.0, elevation_rad);
+    return rig.shares(places, true, sequence);
+  };
+  const std::vector<double> low = at(kLow_rad, false), high = at(kLow_rad + 2e-3, false);
+  REQUIRE(low != high);
+  REQUIRE(at(kLow_rad, false) == low);
+  CHECK(at(kLow_rad + 0.8e-3, true) == low);
+  const std::vector<double> first = at(kLow_rad + 2e-3, true);
+  CHECK(first != high);
+  for (uint32_t level = 1; level + 1 < kLevels; ++level) at(kLow_rad + 2e-3, true);
+  CHECK(at(kLow_rad + 2e-3, true) == high);
+  CHECK(at(kLow_rad + 1e-2, true) == at(kLow_rad + 1e-2, false));  // as after a cut
 }
 
 TEST_CASE("gpu: smooth ground shades no air") {

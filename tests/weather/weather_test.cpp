@@ -95,5 +95,25 @@ TEST_CASE("a cached blob comes back; another key, a flipped bit and a torn file 
   CHECK(!load_cached_blob("a.bin", 5));
 }
 
+TEST_CASE("a cached blob is of one device; one that came with a packaged program serves all") {
+  const test::TempFolder cache, data;
+  setenv("NEPHO_CACHE", cache.path().c_str(), 1);
+  const std::vector<std::byte> bytes(100, std::byte{3}), others(100, std::byte{4});
+  store_cached_blob("a.bin", 5, bytes, 77);
+  CHECK(load_cached_blob("a.bin", 5, 77));
+  CHECK(!load_cached_blob("a.bin", 5, 78));
+  std::filesystem::create_directory(data / "tables");
+  std::filesystem::rename(cache / "a.bin", data / "tables" / "a.bin");
+  CHECK(!load_cached_blob("a.bin", 5, 77));
+  setenv("NEPHO_DATA", data.path().c_str(), 1);
+  CHECK(load_cached_blob("a.bin", 5, 77));
+  CHECK(load_cached_blob("a.bin", 5, 78));
+  CHECK(!load_cached_blob("a.bin", 6, 77));
+  store_cached_blob("a.bin", 5, others, 78);
+  CHECK(*load_cached_blob("a.bin", 5, 78) == others);
+  CHECK(*load_cached_blob("a.bin", 5, 77) == bytes);
+  unsetenv("NEPHO_DATA");
+}
+
 }  // namespace
 }  // namespace nepho
