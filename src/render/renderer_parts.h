@@ -2,6 +2,7 @@
 // What a renderer is made of; for renderer*.cpp and frame_passes.cpp.
 #include <memory>
 
+#include "atmosphere/air_volume.h"
 #include "atmosphere/atmosphere_tables.h"
 #include "clouds/cloud_march_pass.h"
 #include "clouds/cloud_upscaler.h"
@@ -78,6 +79,7 @@ struct Renderer::Parts {
   std::unique_ptr<AtmosphereTables> next_atmosphere;  ///< being computed, see Renderer::set_atmosphere
   std::unique_ptr<CloudParts> clouds;
   std::unique_ptr<ReferenceTracer> reference;  ///< of quality reference
+  AirVolume air_volume;
   BackgroundPass background;
   CompositePass composite;
   ShaftPass shafts;
