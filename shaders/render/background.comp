@@ -22,9 +22,12 @@ layout(set = 0, binding = 15) uniform sampler2D cloud_light;  // of light_gather
 #include "common/pixel_tiles.glsl"
 #define NIGHT_SKY_BINDING 16
 #include "render/night_sky.glsl"
+#define AIR_VOLUME_BINDING 26
+#include "atmosphere/air_volume.glsl"
 // Constant 0 is the number of spectral groups.
 layout(constant_id = 1) const bool kNight = true;  // false: by day; stars and airglow are left out
 layout(constant_id = 2) const uint HAZE = 0u;          // layers of haze
+layout(constant_id = 3) const bool kVolume = false;    // the air and the lights are read from the air volume
 #define HAZE_GROUND_BINDING 24
 #include "render/haze_ground.glsl"
 layout(push_constant, scalar) uniform PushBlock { BackgroundPush push; };
@@ -50,6 +53,15 @@ vec3 cloud_light_shares(FrameConstants f, ivec2 pixel, float distance) {
   return sum.a > 0.0 ? sum.rgb / sum.a : vec3(0.0, 1.0, 0.0);
 }
 
+vec3 key_lux(FrameConstants f, float height, float mu) {
+  return kVolume ? tabled_key_illuminance(f, height, mu) : key_illuminance(f, height, mu);
+}
+// Of sky and moon.
+vec3 sky_lux(FrameConstants f, float height, vec3 up) {
+  if (kVolume) return tabled_sky_illuminance(f, height, up);
+  return sky_illuminance(f, height, up) + (kNight ? moon_fill_illuminance(f, height, up) : vec3(0));
+}
+
 // What leaves the surface towards the eye.
 vec3 surface_luminance(FrameConstants f, ivec2 pixel, vec3 dir, float distance, vec4 surface) {
   vec3 point = dir * distance;
@@ -59,8 +71,8 @@ vec3 surface_luminance(FrameConstants f, ivec2 pixel, vec3 dir, float distance, 
   n = dot(n, n) > 0.25 ? normalize(n) : up;
   float mu_key = dot(up, f.key_dir);
   float visibility = push.has_cloud_shadow != 0u ? texelFetch(sun_visible_share, pixel, 0).r : 1.0;
-  vec3 key = key_illuminance(f, height, mu_key) * visibility;
-  vec3 sky = sky_illuminance(f, height, up) + (kNight ? moon_fill_illuminance(f, height, up) + night_illuminance_lux() : vec3(0));
+  vec3 open_key = key_lux(f, height, mu_key), key = open_key * visibility;
+  vec3 sky = sky_lux(f, height, up) + (kNight ? night_illuminance_lux() : vec3(0));
   if (HAZE > 0u) {
     HazeGround haze = haze_over_ground(point, mu_key);
     sky = sky * haze.sky + key * haze.scattered;
@@ -71,11 +83,16 @@ vec3 surface_luminance(FrameConstants f, ivec2 pixel, vec3 dir, float distance, 
   if (push.light_nodes.x > 0u) {
     vec3 shares = cloud_light_shares(f, pixel, distance);
     sky_share = shares.y;
-    from_clouds = key_illuminance(f, height, mu_key) * (shares.x + shares.z * max(mu_key, 0.0));
+    from_clouds = open_key * (shares.x + shares.z * max(mu_key, 0.0));
     sky = sky * sky_share + from_clouds;
   }
-  vec3 result;
-  if (surface.a > 1.5) {
+  float lit = max(dot(n, f.key_dir), 0.0);
+  float open = 0.5 + 0.5 * dot(n, up);  // share of the sky that a slope sees; the rest is lit ground
+  vec3 below = (key * max(mu_key, 0.0) + sky) * push.ground_albedo;
+  vec3 illuminance = key * lit + sky * open + below * (1.0 - open);
+  vec3 result = surface.rgb * illuminance * (1.0 / kPi);
+  // A loop of one turn or none, which a software device leaves out where a branch would run for every pixel.
+  for (int i = 0; i < int(surface.a > 1.5); ++i) {
     // Water: the sky mirrored by a rough surface, the light's glint, and what little comes back from below.
     float slopes = water_slope_variance(push.wind_mps);
     float cos_v = max(dot(up, -dir), 1.0e-3);
@@ -87,12 +104,6 @@ vec3 surface_luminance(FrameConstants f, ivec2 pixel, vec3 dir, float distance, 
     float fresnel = fresnel_rough(cos_v, 0.5 * slopes);
     vec3 body = water_body_albedo() * (key * max(mu_key, 0.0) + sky) * (1.0 / kPi);
     result = fresnel * reflected + (1.0 - fresnel) * body + key * sun_glint_per_sr(up, -dir, f.key_dir, slopes);
-  } else {
-    float lit = max(dot(n, f.key_dir), 0.0);
-    float open = 0.5 + 0.5 * dot(n, up);  // share of the sky that a slope sees; the rest is lit ground
-    vec3 below = (key * max(mu_key, 0.0) + sky) * push.ground_albedo;
-    vec3 illuminance = key * lit + sky * open + below * (1.0 - open);
-    result = surface.rgb * illuminance * (1.0 / kPi);
   }
   return result + texelFetch(emission, pixel, 0).rgb * push.night_light_cd_m2;
 }
@@ -105,13 +116,16 @@ void main() {
   float distance = texelFetch(depth_m, pixel, 0).r;
   vec4 surface = texelFetch(albedo, pixel, 0);
   bool is_sky = distance >= 0.5 * kFarDepth_m || surface.a < 0.5;
-  vec3 through;
-  vec3 air = air_luminance(f, dir, is_sky, distance, through);
-  vec3 behind = vec3(0);
-  if (!is_sky)
+  vec3 through, air, behind = vec3(0);
+  if (!kVolume) air = air_luminance(f, dir, is_sky, distance, through);
+  for (int i = 0; i < int(is_sky); ++i) {
+    if (kVolume) air = sky_view_luminance(f, dir, kNight, through);
+    if (kNight) behind = stars_luminance(f, pixel) * through;
+  }
+  for (int i = 0; i < int(!is_sky); ++i) {
+    if (kVolume) air = volume_aerial_perspective(f, dir, distance, through);
     behind = surface_luminance(f, pixel, dir, distance, surface) * through;
-  else if (kNight)
-    behind = stars_luminance(f, pixel) * through;
+  }
   if (kNight) behind += airglow_luminance(f, dir, !is_sky, through) + night_air_luminance(through);
   imageStore(background, pixel, vec4(within_rec709(air + behind), 1.0));
 }

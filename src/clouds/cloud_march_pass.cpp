@@ -23,8 +23,7 @@ constexpr double kWidePixel_m = 300.0;
 CloudMarchPass::CloudMarchPass(gpu::Device& device, const Clouds& clouds, uint32_t spectral_groups, bool fine)
     : device_(device),
       clouds_(clouds),
-      shade_(device, {.name = "clouds.shade", .spirv = cloud_shade_comp, .constants = {spectral_groups}}),
-      shade_listed_(device, {.name = "clouds.shade", .spirv = cloud_shade_comp, .constants = {spectral_groups, 1}}),
+      spectral_groups_(spectral_groups),
       clear_(device, {.name = "clouds.clear", .spirv = cloud_clear_comp}),
       fine_(fine) {}
 
@@ -40,6 +39,15 @@ const gpu::ComputePipeline& CloudMarchPass::march_pipeline(uint32_t phases, bool
     pipeline = gpu::ComputePipeline(
         device_, {.name = "clouds.march", .spirv = cloud_march_comp, .constants = std::move(constants)});
   }
+  return pipeline;
+}
+
+const gpu::ComputePipeline& CloudMarchPass::shade_pipeline(bool listed, bool volume) const {
+  gpu::ComputePipeline& pipeline = shade_[(listed ? 1u : 0u) + (volume ? 2u : 0u)];
+  if (!pipeline)
+    pipeline = gpu::ComputePipeline(device_, {.name = "clouds.shade",
+                                              .spirv = cloud_shade_comp,
+                                              .constants = {spectral_groups_, listed ? 1u : 0u, volume ? 1u : 0u}});
   return pipeline;
 }
 
@@ -112,15 +120,17 @@ CloudMarchPass::Outputs CloudMarchPass::add(FrameGraph& graph, const FrameInfo& 
       .write("out_radiance", radiance)
       .write("out_near", near);
   AtmosphereTables::bind(shade, in.atmosphere);
+  AirVolume::bind(graph, shade, in.air_volume, in.atmosphere);
   bind_pixel_list(graph, shade, in.list, 256);
   const ShadePush push{kGroundAlbedo, static_cast<float>(params.coverage.value_or(kTypicalCoverage)),
                        static_cast<float>(params.sky_light_scale), static_cast<float>(params.ground_bounce_scale),
                        params.multiple_scattering == "octaves" ? 0u : 1u};
-  shade.record([this, push, listed, extent = frame.extent](gpu::Commands& cmd) {
+  const gpu::ComputePipeline& shader = shade_pipeline(listed, static_cast<bool>(in.air_volume));
+  shade.record([&shader, push, listed, extent = frame.extent](gpu::Commands& cmd) {
     if (listed)
-      cmd.bind(shade_listed_).push(push).dispatch_indirect();
+      cmd.bind(shader).push(push).dispatch_indirect();
     else
-      cmd.bind(shade_).push(push).dispatch_threads(extent.width, extent.height);
+      cmd.bind(shader).push(push).dispatch_threads(extent.width, extent.height);
   });
   return {.radiance = radiance, .info = marched.info, .near = near, .depths = marched.depths};
 }

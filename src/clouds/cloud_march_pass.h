@@ -2,7 +2,7 @@
 #include <array>
 #include <memory>
 
-#include "atmosphere/atmosphere_tables.h"
+#include "atmosphere/air_volume.h"
 #include "clouds/cloud_density.h"
 #include "clouds/cloud_light.h"
 #include "clouds/cloud_pixel_list.h"
@@ -18,6 +18,7 @@ class CloudMarchPass {
   struct Inputs {
     ImageRef depth_m;  ///< r32f: distance along the pixel's ray to the surface, m; 1e10 for none
     AtmosphereTables::Refs atmosphere = {};
+    AirVolume::Refs air_volume = {};  ///< may be empty: the air before clouds is integrated
     CloudDensityRefs density;  ///< import_cloud_density()
     CloudLight::Refs light;    ///< of this frame
     CloudPixelList list = {};  ///< pixels to be marched; empty: all
@@ -52,13 +53,16 @@ class CloudMarchPass {
 
  private:
   const gpu::ComputePipeline& march_pipeline(uint32_t phases, bool terrain, bool rays, bool listed) const;
+  const gpu::ComputePipeline& shade_pipeline(bool listed, bool volume) const;
   gpu::Device& device_;
   const Clouds& clouds_;
-  gpu::ComputePipeline shade_, shade_listed_, clear_;
+  uint32_t spectral_groups_;
+  gpu::ComputePipeline clear_;
   bool fine_;
   /// By phases - 1, with terrain's shade or without (2), with four rays or one (4), over a list (8); made when a frame
   /// needs it.
   mutable std::array<gpu::ComputePipeline, 16> march_;
+  mutable std::array<gpu::ComputePipeline, 4> shade_;  ///< over a list (1), with an air volume (2)
 };
 
 }  // namespace nepho

@@ -3,7 +3,7 @@
 #include <map>
 #include <optional>
 
-#include "atmosphere/atmosphere_tables.h"
+#include "atmosphere/air_volume.h"
 #include "gpu/frame_info.h"
 #include "gpu/pipeline.h"
 #include "render/night_sky.h"
@@ -22,6 +22,7 @@ class BackgroundPass {
   struct Inputs {
     Terrain::Outputs terrain;
     AtmosphereTables::Refs atmosphere;
+    AirVolume::Refs air_volume = {};  ///< may be empty: the air before surfaces is integrated
     NightSky::Refs night_sky;
     bool has_sky_view = true;   ///< the atmosphere has sky views of the camera
     bool night = true;          ///< false: by day, when stars and airglow cannot be seen
@@ -37,12 +38,12 @@ class BackgroundPass {
  private:
   enum Kind { surface, sky, discs };
   /// Made when it is needed: night and day differ.
-  const gpu::ComputePipeline& pipeline(Kind kind, bool night, uint32_t haze_layers = 0) const;
+  const gpu::ComputePipeline& pipeline(Kind kind, bool night, uint32_t haze_layers = 0, bool volume = false) const;
   void add_discs(FrameGraph& graph, const FrameInfo& frame, const Inputs& in, ImageRef background) const;
 
   gpu::Device& device_;
   uint32_t spectral_groups_;
-  mutable std::map<std::array<uint32_t, 3>, gpu::ComputePipeline> pipelines_;
+  mutable std::map<std::array<uint32_t, 4>, gpu::ComputePipeline> pipelines_;
 };
 
 /// The pixels [first, last) that a disc of this angular radius around a direction may touch; nothing when it is outside

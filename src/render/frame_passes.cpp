@@ -22,10 +22,17 @@ FrameOutputs Renderer::Parts::add_frame(FrameGraph& graph, const FrameInfo& fram
   FrameOutputs out;
   const std::vector<shared::SkyView> views = sky_views_of(atmosphere->uniform(), frame.constants);
   const AtmosphereTables::Refs tables = atmosphere->add(graph, views);
+  const double lit_top_m = clouds ? static_cast<double>(clouds->clouds.constants().hull_high_m) : 0.0;
+  // Pictures that are compared with the path tracer have their air integrated; those that follow each other read it.
+  const AirVolume::Refs volume =
+      needs.sequence && AirVolume::serves(atmosphere->uniform(), frame.constants, lit_top_m)
+          ? air_volume.add(graph, frame, *atmosphere, tables, lit_top_m)
+          : AirVolume::Refs{};
   const NightSky::Refs stars = night_sky.add(graph, frame, scene.night_sky, sky);
   const Terrain::Outputs surface = terrain.add(graph, frame);
   BackgroundPass::Inputs behind{.terrain = surface,
                                 .atmosphere = tables,
+                                .air_volume = volume,
                                 .night_sky = stars,
                                 .has_sky_view = !views.empty(),
                                 .night = NightSky::shows(frame.constants) || frame.constants.light_count > 1,
@@ -86,6 +93,7 @@ FrameOutputs Renderer::Parts::add_frame(FrameGraph& graph, const FrameInfo& fram
     marched = clouds->march.add(graph, selected.frame,
                                 {.depth_m = surface.depth_m,
                                  .atmosphere = tables,
+                                 .air_volume = volume,
                                  .density = density,
                                  .light = cloud_light,
                                  .list = selected.list,

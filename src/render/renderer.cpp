@@ -48,6 +48,7 @@ Renderer::Parts::Parts(gpu::Device& device, TerrainSources sources, const SkySou
       terrain_shadow_map(device),
       terrain_shadow(device),
       night_sky(device, sky_sources),
+      air_volume(device, static_cast<uint32_t>(spectral_groups(scene.atmosphere))),
       background(device, static_cast<uint32_t>(spectral_groups(scene.atmosphere))),
       composite(device),
       shafts(device, static_cast<uint32_t>(spectral_groups(scene.atmosphere))),

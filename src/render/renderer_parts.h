@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 
+#include "atmosphere/air_volume.h"
 #include "atmosphere/atmosphere_tables.h"
 #include "clouds/cloud_march_pass.h"
 #include "clouds/cloud_upscaler.h"
@@ -93,6 +94,7 @@ struct Renderer::Parts {
   std::unique_ptr<AtmosphereTables> next_atmosphere;  ///< being computed, see Renderer::set_atmosphere
   std::unique_ptr<CloudParts> clouds;
   std::unique_ptr<ReferenceTracer> reference;  ///< of quality reference
+  AirVolume air_volume;
   BackgroundPass background;
   CompositePass composite;
   ShaftPass shafts;
