@@ -47,13 +47,13 @@ FrameOutputs Renderer::Parts::add_frame(FrameGraph& graph, const FrameInfo& fram
       terrain_shades ? terrain_shadow_map.add_volume(graph, frame, needs.sequence) : TerrainVolumeRefs{};
   if (clouds) {
     density = import_cloud_density(graph, frame, clouds->clouds);
-    CloudLight& light_inside = clouds->light(needs.live);
-    clouds->ground.update(terrain.heights(), terrain.imagery(), light_inside.region(frame),
+    CloudLighting& lighting = clouds->lighting(needs.live);
+    clouds->ground.update(terrain.heights(), terrain.imagery(), lighting.inside.region(frame),
                           !needs.sequence           ? GroundMap::Follow::exactly
                           : needs.incomplete_ground ? GroundMap::Follow::in_background
                                                     : GroundMap::Follow::near);
     const GroundMap::Refs ground = clouds->ground.import_into(graph);
-    cloud_light = light_inside.add(graph, frame,
+    cloud_light = lighting.inside.add(graph, frame,
                                     {.depth_m = surface.depth_m,
                                      .density = density,
                                      .atmosphere = &tables,
@@ -64,7 +64,7 @@ FrameOutputs Renderer::Parts::add_frame(FrameGraph& graph, const FrameInfo& fram
                                      .ground_height = ground.height_m,
                                      .sequence = needs.sequence});
     behind.cloud_light = cloud_light.ground;
-    shadow = clouds->shadow_maps.add(graph, frame, density);
+    shadow = lighting.shadows.add(graph, frame, density);
     behind.sun_visibility = clouds->shadow.add(graph, frame, surface, shadow);
   }
   const ShaftPass::Air air{

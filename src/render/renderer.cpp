@@ -33,6 +33,9 @@ std::vector<float> floats_from_half(const std::vector<uint16_t>& halves) {
 }  // namespace
 
 namespace {
+/// Of live pictures on a CPU: texels along a side of a shadow map, at most.
+constexpr uint32_t kLiveShadowTexels = 256;
+
 /// The cheapest preset lights clouds by octaves.
 CloudParams as_drawn(const Scene& scene) {
   CloudParams clouds = scene.clouds;
@@ -40,6 +43,31 @@ CloudParams as_drawn(const Scene& scene) {
   return clouds;
 }
 }  // namespace
+
+Renderer::Parts::CloudParts::CloudParts(gpu::Device& device, const CloudParams& params, const WeatherSources& sources,
+                                        uint32_t spectral_groups, const std::string& quality)
+    : clouds(device, params, sources),
+      ground(device),
+      march(device, clouds, spectral_groups, quality == "high" || quality == "ultra"),
+      upscaler(device, clouds),
+      shadow(device),
+      debug(device, clouds),
+      make_lighting_([this, &device, shadows = params.shadows, spectral_groups, quality](bool live) {
+        const bool software = device.info().is_software;
+        CloudShadowParams fitting = shadows;
+        if (live && software) fitting.resolution = std::min(fitting.resolution, kLiveShadowTexels);
+        return std::make_unique<CloudLighting>(
+            CloudLighting{.inside = CloudLight(device, clouds, spectral_groups,
+                                               live ? CloudLight::live_quality_of(quality, software)
+                                                    : CloudLight::quality_of(quality)),
+                          .shadows = CloudShadowMaps(device, clouds, fitting)});
+      }) {}
+
+Renderer::Parts::CloudLighting& Renderer::Parts::CloudParts::lighting(bool live) {
+  std::unique_ptr<CloudLighting>& of = lightings_[live ? 1 : 0];
+  if (!of) of = make_lighting_(live);
+  return *of;
+}
 
 Renderer::Parts::Parts(gpu::Device& device, TerrainSources sources, const SkySources& sky_sources,
                        const WeatherSources& weather, const Scene& scene, RenderTimings& timings)
@@ -207,7 +235,7 @@ void Renderer::count_work(const FrameOutputs& out, size_t pixels, bool live) {
   }
   timings_.samples_per_px /= static_cast<double>(pixels);
   timings_.steps_per_px /= static_cast<double>(pixels);
-  const CloudLight::Work light = parts_->clouds ? parts_->clouds->light(live).work() : CloudLight::Work{};
+  const CloudLight::Work light = parts_->clouds ? parts_->clouds->lighting(live).inside.work() : CloudLight::Work{};
   timings_.light_cells = light.cells;
   timings_.light_fresh = light.fresh;
   timings_.light_refresh = light.refresh;

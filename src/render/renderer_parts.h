@@ -51,38 +51,27 @@ struct Renderer::Parts {
   /// Declares the passes of one frame.
   FrameOutputs add_frame(FrameGraph& graph, const FrameInfo& frame, const Scene& scene, const FrameNeeds& needs);
 
+  /// Light inside clouds, and what they keep from the ground.
+  struct CloudLighting {
+    CloudLight inside;
+    CloudShadowMaps shadows;
+  };
   /// Absent under a clear sky, which then costs nothing.
   struct CloudParts {
     CloudParts(gpu::Device& device, const CloudParams& params, const WeatherSources& sources, uint32_t spectral_groups,
-               const std::string& quality)
-        : clouds(device, params, sources),
-          make_light([&device, this, spectral_groups, quality](bool live) {
-            const bool software = device.info().is_software;
-            return std::make_unique<CloudLight>(
-                device, clouds, spectral_groups,
-                live ? CloudLight::live_quality_of(quality, software) : CloudLight::quality_of(quality));
-          }),
-          ground(device),
-          march(device, clouds, spectral_groups, quality == "high" || quality == "ultra"),
-          upscaler(device, clouds),
-          shadow_maps(device, clouds, params.shadows),
-          shadow(device),
-          debug(device, clouds) {}
-    /// Light inside clouds, of live pictures or of others; made when the first picture of its kind wants it.
-    CloudLight& light(bool live) {
-      std::unique_ptr<CloudLight>& of = lights[live ? 1 : 0];
-      if (!of) of = make_light(live);
-      return *of;
-    }
+               const std::string& quality);
+    /// Of live pictures or of others (RenderRequest::live); made when the first picture of its kind wants it.
+    CloudLighting& lighting(bool live);
     Clouds clouds;
-    std::function<std::unique_ptr<CloudLight>(bool live)> make_light;
-    std::array<std::unique_ptr<CloudLight>, 2> lights;
     GroundMap ground;
     CloudMarchPass march;
     CloudUpscaler upscaler;
-    CloudShadowMaps shadow_maps;
     GroundShadowPass shadow;
     DebugViewPass debug;
+
+   private:
+    std::function<std::unique_ptr<CloudLighting>(bool live)> make_lighting_;
+    std::array<std::unique_ptr<CloudLighting>, 2> lightings_;
   };
 
   gpu::GraphExecutor executor;
