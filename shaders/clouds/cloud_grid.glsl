@@ -74,16 +74,20 @@ float grid_leap(CloudGrid grid, int band, float height_m, float above_m, float b
 const int kClearSteps = 40;
 vec2 grid_sun_depth(CloudGrid grid, vec3 p, vec3 sun) {
   Flight f = flight_from(p, sun);
-  for (int i = 0; i < kClearSteps; ++i) {
+  GridPlace at = GridPlace(vec2(0.0), 0.0, 0.0);
+  bool known = false;
+  float reach;
+  int i = 0;
+  do {  // condition last: a software device turns a loop once more for one at its head
     Place here = place_on(f);
     float above_m, below_m, climb = dot(here.up, sun);
     int band = grid_band(grid, here.height_m, above_m, below_m);
-    float reach = grid_leap(grid, band, here.height_m, above_m, below_m, climb);
-    if (band >= 0 && grid_most(grid, band, here, climb, reach) > 0.0) return grid_read(grid, band, here).yz;
-    if (reach >= kFar_m) break;
+    reach = grid_leap(grid, band, here.height_m, above_m, below_m, climb);
+    known = band >= 0 && grid_most(grid, band, here, climb, reach) > 0.0;
+    if (known) at = grid_place(grid, band, here);
     f.s += max(reach, 1.0);
-  }
-  return vec2(0.0);
+  } while (!known && reach < kFar_m && ++i < kClearSteps);
+  return known ? grid_read_at(grid, at).yz : vec2(0.0);
 }
 
 #endif

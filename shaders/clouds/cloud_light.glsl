@@ -31,26 +31,48 @@ float cone_length(int i, float first_m, float growth, int count) {
   return reach_m / (float(kConeTaps - 1) + kConeFar) * (i < kConeTaps - 1 ? 1.0 : kConeFar);
 }
 
+// Of the taps, what changes slowly along the way to the sun is read at two places, and small noise at one: within what a tap
+// stands for it is the same, or so different that only its variance counts.
+const float kSunNear = 1.2, kSunFar = 8.0;  // where: lengths of the first tap's stretch
+const int kSunDetailed = 2;                     // taps that know small noise
+
 float cloud_sun_depth(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_m, float log2_footprint) {
   vec3 sun = frame.frame_data.key_dir;
   float climb = dot(up, sun);
   float first_m = max(kFirstTap_m, 0.4 * exp2(log2_footprint));
   float depth = 0.0, from_m = 0.0, length_m = first_m;
+  float near_m = kSunNear * first_m, far_m = kSunFar * first_m, near_cell = 0.0, far_cell = 0.0, near_unknown = 0.0, far_unknown = 0.0;
+  float near_detail = 0.0, detail_unknown = 0.0;
+  CloudChurn churn = CloudChurn(vec3(0.0), vec3(0.0), vec3(0.0));
+  if (CLOUD.uniform_density <= 0.0) {
+    vec3 near = p_cam + sun * near_m, far = p_cam + sun * far_m;
+    float near_h = height_m + climb * near_m, far_h = height_m + climb * far_m, eta = clamp(cloud_eta(l, c, near_h), 0.0, 1.0);
+    near_cell = cloud_cell_field(l, c, near, up, near_h, max(log2_footprint, log2(0.4 * first_m)), near_unknown);
+    far_cell = cloud_cell_field(l, c, far, up, far_h, max(log2_footprint, log2(2.0 * first_m)), far_unknown);
+    churn = cloud_churn(l, near, up, eta, log2_footprint);
+    near_detail = cloud_detail_level(l, c, churn, near, eta, max(log2_footprint, log2(0.5 * first_m)), detail_unknown);
+  }
   for (int i = 0; i < (CONE ? kConeTaps : kSunTaps); ++i) {
     if (CONE) length_m = cone_length(i, first_m, kSunGrowth, kSunTaps);
     float d = from_m + 0.5 * length_m;
     vec3 way = CONE ? sun + cone_aside(sun, i) : sun;
-    float h = height_m + (CONE ? dot(up, way) : climb) * d;
+    float h = height_m + (CONE ? dot(up, way) : climb) * d, eta = cloud_eta(l, c, h);
     float sigma_per_m = 0.0;
     if (CLOUD.uniform_density > 0.0) {
-      float eta = cloud_eta(l, c, h);
       // The part of the stretch that is inside.
       float rise = climb * length_m / CLOUD.layers[l].thickness_m, eta0 = eta - 0.5 * rise, eta1 = eta + 0.5 * rise;
       float inside = clamp(max(eta0, eta1), 0.0, 1.0) - clamp(min(eta0, eta1), 0.0, 1.0);
       float share = abs(rise) > 1.0e-6 ? inside / abs(rise) : (eta >= 0.0 && eta < 1.0 ? 1.0 : 0.0);
       sigma_per_m = share * CLOUD.uniform_density * CLOUD.layers[l].extinction_per_m;
-    } else {
-      sigma_per_m = cloud_medium_at(l, c, p_cam + way * d, up, h, max(log2_footprint, log2(0.4 * length_m))).sigma_per_m;
+    } else if (eta > 0.0 && eta < 1.0) {
+      float log2_tap = max(log2_footprint, log2(0.4 * length_m)), u = (d - near_m) / (far_m - near_m);
+      float unknown = c.unknown + mix(near_unknown, far_unknown, clamp(u, 0.0, 1.0));
+      float level = mix(near_cell, far_cell, u) - cell_threshold(cloud_need(l, c, eta), c.probit);
+      level += cloud_shape_level(l, c, churn, p_cam + way * d, eta, log2_tap, unknown);
+      float weight = (kDetailWeight * kDetailWeight + kFineWeight * kFineWeight) * CLOUD.layers[l].detail_amount * CLOUD.layers[l].detail_amount;
+      unknown += i < kSunDetailed ? detail_unknown : weight;
+      level += i < kSunDetailed ? near_detail : 0.0;
+      sigma_per_m = cloud_medium(l, c.density, level, unknown, 0.0, eta, exp2(log2_tap)).sigma_per_m;
     }
     depth += sigma_per_m * length_m;
     from_m += length_m;

@@ -485,7 +485,8 @@ void main() {
     }
     // All lanes march towards the sun together here; within the loop above each step of one would have cost them all.
     samples += lights * (CONE ? kConeTaps : kSunTaps);
-    for (int i = 0; i < lights; ++i) {
+    int i = 0;
+    if (lights > 0) do {
       float at = sources[i].x;
       float at_s = at - span.x;
       vec3 q = entry_q + scaled_dir * at_s;
@@ -502,7 +503,7 @@ void main() {
       sent *= powder * terrain_air_share(dir * at);
       light.x += sent;
       light_x.x += sent * split_place(at, first_m);
-    }
+    } while (++i < lights);
     if (transmittance < kOpaque) transmittance = 0.0;
   }
   passed += transmittance;
