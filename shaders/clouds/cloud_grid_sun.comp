@@ -16,6 +16,7 @@ layout(push_constant, scalar) uniform PushBlock { uint first_plane; } push;
 const int kSteps = 72;
 const float kFirstStep = 0.35;  // voxels
 const float kGrowth = 0.07;
+const float kDeepest = 80.0;    // optical depth beyond which no light is left: the share that counts is above a third of it
 
 void main() {
   ivec3 at = ivec3(gl_GlobalInvocationID) + ivec3(0, 0, int(push.first_plane));
@@ -61,6 +62,7 @@ void main() {
       if (leap >= kFar_m) break;
       f.s += leap;
     }
+    if (tau.y > kDeepest) break;
     sigma0 = sigma;
     step_m *= 1.0 + kGrowth;
   }

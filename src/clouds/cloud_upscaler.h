@@ -48,6 +48,8 @@ class CloudUpscaler {
   };
   /// Clouds of every pixel. In a first frame they are the ones given.
   Outputs resolve(FrameGraph& graph, const FrameInfo& frame, const Selection& selection, const Inputs& in);
+  /// The next frame marches every pixel: something but camera and clock has changed.
+  void forget() { before_.reset(); }
 
  private:
   glm::dvec3 wind_mps(const FrameInfo& frame) const;

@@ -25,7 +25,7 @@ FrameOutputs Renderer::Parts::add_frame(FrameGraph& graph, const FrameInfo& fram
   const double lit_top_m = clouds ? static_cast<double>(clouds->clouds.constants().hull_high_m) : 0.0;
   // Pictures that are compared with the path tracer have their air integrated; those that follow each other read it.
   const AirVolume::Refs volume =
-      needs.sequence && AirVolume::serves(atmosphere->uniform(), frame.constants, lit_top_m)
+      (needs.sequence || needs.live) && AirVolume::serves(atmosphere->uniform(), frame.constants, lit_top_m)
           ? air_volume.add(graph, frame, *atmosphere, tables, lit_top_m)
           : AirVolume::Refs{};
   const NightSky::Refs stars = night_sky.add(graph, frame, scene.night_sky, sky);

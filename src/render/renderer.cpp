@@ -155,6 +155,7 @@ void Renderer::advance_atmosphere() {
   parts_->atmosphere = std::move(next);
   scene_.atmosphere = parts_->atmosphere->params();
   parts_->light = FrameLight::from(parts_->sky, sun_illuminance_at_1au(scene_.atmosphere), scene_.night_sky.moon);
+  if (parts_->clouds) parts_->clouds->upscaler.forget();
 }
 
 void Renderer::set_camera(const CameraParams& camera) {
