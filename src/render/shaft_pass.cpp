@@ -54,7 +54,7 @@ glm::uvec2 block_of(const FrameInfo& frame, const ShaftParams& params, const std
   const auto high = static_cast<uint32_t>(std::clamp(kWidestBlock_rad / pixel_rad, 1.0, wanted));
   if (!sequence) return {high, high};
   const auto wide = static_cast<uint32_t>(std::clamp(kWidestInSequence_rad / pixel_rad, 1.0, kSequenceBlock_px));
-  return {std::max(wide, high), high};
+  return {std::max(wide, high), std::max(std::min(wide, 3u), high)};
 }
 
 /// Whose shade is drawn, and geodetic height that it does not reach.
