@@ -33,20 +33,25 @@ layout(constant_id = 3) const bool kVolume = false;    // the air and the lights
 layout(push_constant, scalar) uniform PushBlock { BackgroundPush push; };
 
 // Illuminance of horizontal ground by light that clouds scattered, in shares of key light, sky light, and key light on the
-// ground: from the 4 x 4 nodes around the pixel by a cubic B-spline, which evens out their noise; those the more whose ground is
-// about as far away.
+// ground: from the 4 x 4 nodes around the pixel by a cubic B-spline, which evens out their noise (in a sequence 3 x 3 and quadratic); those
+// the more whose ground is about as far away.
 vec3 cloud_light_shares(FrameConstants f, ivec2 pixel, float distance) {
   vec2 at = (vec2(pixel) + 0.5) * vec2(push.light_nodes) / vec2(f.size) - 0.5;
-  vec2 low = floor(at), u = at - low;
+  vec2 low = floor(kVolume ? at + 0.5 : at), u = at - low;
   vec4 sum = vec4(0.0);
-  for (int i = 0; i < 16; ++i) {
-    ivec2 step = ivec2(i & 3, i >> 2) - 1;
+  int wide = kVolume ? 3 : 4;
+  for (int i = 0; i < wide * wide; ++i) {
+    ivec2 step = ivec2(i % wide, i / wide) - 1;
     ivec2 node = clamp(ivec2(low) + step, ivec2(0), ivec2(push.light_nodes) - 1);
     vec4 there = texelFetch(cloud_light, node, 0);
     float apart = abs(there.a - distance) / distance;
     vec2 x = abs(vec2(step) - u);
     vec2 inner = 2.0 / 3.0 - x * x * (1.0 - 0.5 * x), outer = max(2.0 - x, vec2(0.0));
     vec2 w = mix(outer * outer * outer / 6.0, inner, lessThan(x, vec2(1.0)));
+    if (kVolume) {
+      vec2 side = max(1.5 - x, vec2(0.0));
+      w = mix(0.5 * side * side, 0.75 - x * x, lessThan(x, vec2(0.5)));
+    }
     float weight = there.a < 0.5 * kFarDepth_m ? (w.x * w.y + 1.0e-5) / (0.1 + apart) : 0.0;
     sum += weight * vec4(there.rgb, 1.0);
   }

@@ -9,8 +9,10 @@ layout(scalar, set = 0, binding = 0) uniform FrameBlock { FrameConstants frame_d
 #define TERRAIN_VOLUME_BINDING 40
 #define TERRAIN_CONSTANT 9
 #include "terrain/terrain_air.glsl"
-#define AIR_VISIBLE(p) (terrain_air_share(p))
+#define AIR_VISIBLE(p) 1.0
 #define AIR_BLOCK(block)
+#define AIR_RAY(dir)
+#define AIR_LOOK(t, number) terrain_air_share(dir * (t))
 #define AIR_LOOKS (TERRAIN ? 3 : 1)
 #include "render/shaft_air.glsl"
 #include "render/shaft_march.glsl"

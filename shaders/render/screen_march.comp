@@ -15,6 +15,9 @@ float screen_visible;  // share of the sun for the block at hand
 #include "terrain/terrain_air.glsl"
 #define AIR_VISIBLE(p) (screen_visible * terrain_air_share(p))
 #define AIR_BLOCK(block) screen_visible = screen_visibility(block);
+#define AIR_RAY(dir)
+#define AIR_LOOK(t, number) 1.0
+#define AIR_LOOKS 1
 #define AIR_GLOW
 #include "render/shaft_air.glsl"
 layout(constant_id = 8) const uint BLUR_STEPS = 32u;
@@ -24,7 +27,7 @@ float screen_visibility(ivec2 block);
 // Mean of the clouds' transmittance from the block to the sun's place; surfaces do not count. 1 where the sun is far outside the picture.
 float screen_visibility(ivec2 block) {
   FrameConstants f = frame.frame_data;
-  vec2 size = vec2(f.size), pixel = (vec2(block) + 0.5) * float(push.downscale), sun;
+  vec2 size = vec2(f.size), pixel = (vec2(block) + 0.5) * vec2(push.block), sun;
   bool ahead = pixel_from_direction(f, f.key_dir, sun);
   vec2 outside = max(abs(sun - 0.5 * size) - 0.5 * size, vec2(0.0)) / size.y;
   float fade = ahead ? 1.0 - smoothstep(0.3, 1.0, length(outside)) : 0.0;

@@ -8,6 +8,10 @@
 layout(scalar, set = 0, binding = SHAFT_BINDING) uniform ShaftBlock { ShaftData data; } shafts;
 layout(constant_id = 6) const uint HAZE = 0u;        // layers of haze
 layout(constant_id = 7) const uint SHAFT_STEPS = 32u;
+layout(constant_id = 10) const bool QUICK = false;   // of a sequence
+
+const int kGroup = 4;                  // steps at whose ends clear air is known
+const float kWholeStretch_m = 20.0e3;  // a stretch as long gets all steps, of a sequence
 
 struct AirMarch {
   AirRay ray;
@@ -115,6 +119,28 @@ AirSource air_source_at(AirMarch m, float t_m, bool many) {
   return source;
 }
 
+// Single scattering between two points of a ray, as an exponential of the distance.
+struct AirStretch {
+  float from_m, to_m;
+  vec3 from, to;
+};
+AirStretch start_air_stretch(AirMarch m, float t_m) {
+  vec3 single = HAZE > 0u ? vec3(0.0) : air_source_at(m, t_m, false).single;
+  return AirStretch(t_m, t_m, single, single);
+}
+void next_air_stretch(AirMarch m, inout AirStretch stretch, float t_m) {
+  stretch.from_m = stretch.to_m;
+  stretch.from = stretch.to;
+  stretch.to_m = t_m;
+  stretch.to = air_source_at(m, t_m, false).single;
+}
+vec3 air_stretch_single(AirStretch stretch, float t_m) {
+  float u = (t_m - stretch.from_m) / max(stretch.to_m - stretch.from_m, 1.0e-3);
+  // Saturated colours may be negative; they are no exponentials.
+  vec3 even = exp2(mix(log2(max(stretch.from, vec3(1.0e-30))), log2(max(stretch.to, vec3(1.0e-30))), u));
+  return mix(even, mix(stretch.from, stretch.to, u), vec3(lessThanEqual(min(stretch.from, stretch.to), vec3(0.0))));
+}
+
 // The part of a ray up to `far_m` that shade or haze may reach, cut where most of the haze begins and ends.
 bool shaft_stretch(AirMarch m, float far_m, out StepPlan plan) {
   PlanetView planet = frame.frame_data.planet;
@@ -138,7 +164,11 @@ bool shaft_stretch(AirMarch m, float far_m, out StepPlan plan) {
   // Steps follow the transmittance of air as dense as where the ray begins.
   SpectralGroup group = atmosphere.spectrum[kSpectralGroups / 2];
   extinction += optical_depth(group, densities(air, height_along(air, m.ray.h, m.ray.mu, max(cut.x - m.ray.start_m, 0.0) * m.ray.stretch))).y;
-  plan = plan_steps(cut, extinction, float(SHAFT_STEPS));
+  // Short stretches get along with fewer steps: shade changes as much in a kilometre there, but less light is at stake.
+  float groups = ceil(float(SHAFT_STEPS) / float(kGroup));
+  if (QUICK && HAZE == 0u) groups = ceil(0.5 * groups);
+  float steps = groups * float(kGroup);
+  plan = plan_steps(cut, extinction, steps);
   return meets && m.ray.in_air && cut.w > cut.x;
 }
 

@@ -47,7 +47,7 @@ void main() {
   vec2 cloud_m = texelFetch(cloud_depths, pixel, 0).rg;
   vec2 shell;
   float entry_m = intersect_shell(f.planet, pixel_direction(f, vec2(pixel) + 0.5), push.top_m, shell) ? max(shell.x, 0.0) : 0.0;
-  vec2 place = (vec2(pixel) + 0.5) / float(push.downscale) - 0.5;
+  vec2 place = (vec2(pixel) + 0.5) / vec2(push.block) - 0.5;
   // At the rim of the picture the line through the last two blocks goes on: a pixel's own block knows its distance, so that no sum of weights is
   // near zero.
   ivec2 last = textureSize(depths_tex, 0) - 1, low = clamp(ivec2(floor(place)), ivec2(0), max(last - 1, ivec2(0)));

@@ -1,3 +1,6 @@
+// Before it: AIR_LOOK(t, number): share of the key light, AIR_LOOKS times a step; AIR_VISIBLE(p_cam): once a step, times that; AIR_BLOCK(block) and
+// AIR_RAY(dir): what these need.
+//
 // One ray for a block of pixels: what shade and haze change up to the nearest and the farthest surface of the block, and up to its nearest and
 // farthest cloud.
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -10,19 +13,16 @@ layout(set = 0, binding = 25, rgba32f) uniform writeonly image2D out_cloud_far;
 layout(set = 0, binding = 27, rgba32f) uniform writeonly image2D out_depths;     // of the four, m; clouds' 0: there is none
 layout(push_constant, scalar) uniform PushBlock { ShaftMarchPush push; };
 
-#ifndef AIR_LOOKS
-#define AIR_LOOKS 1
-#endif
 const int kShadeLooks = AIR_LOOKS;  // for the sun, in a step
 
 void main() {
   FrameConstants f = frame.frame_data;
   ivec2 block = ivec2(gl_GlobalInvocationID.xy);
-  if (any(greaterThanEqual(block * int(push.downscale), ivec2(f.size)))) return;
+  if (any(greaterThanEqual(block * ivec2(push.block), ivec2(f.size)))) return;
   vec4 depths = vec4(kFarDepth_m, 0.0, kFarDepth_m, 0.0);
   vec2 inner = vec2(0.0, kFarDepth_m);  // the farthest of the nearer ones of clouds, and the nearest of the farther ones
   vec3 centre = vec3(0.0);  // of the farthest pixels: a ray to the sky must not meet the ground
-  ivec2 first = block * int(push.downscale), last = min(first + int(push.downscale), ivec2(f.size));
+  ivec2 first = block * ivec2(push.block), last = min(first + ivec2(push.block), ivec2(f.size));
   for (int y = first.y; y < last.y; ++y)
     for (int x = first.x; x < last.x; ++x) {
       float d = min(texelFetch(depth_m, ivec2(x, y), 0).r, kFarDepth_m);
@@ -38,6 +38,7 @@ void main() {
   depths.z = min(depths.z, depths.w);
   AIR_BLOCK(block)
   vec3 dir = pixel_direction(f, centre.xy / centre.z);
+  AIR_RAY(dir)
   AirMarch m = start_air_march(dir);
   StepPlan plan;
   bool meets = shaft_stretch(m, max(depths.y, depths.w), plan);
@@ -57,35 +58,43 @@ void main() {
     float middle = step_distance(plan, 0.5);
     bool moved = false;
     float t0 = plan.cut_m.x, depth0 = haze_depth_to(m, t0), haze0 = exp(-depth0);
-    for (uint i = 0u; i < SHAFT_STEPS; ++i) {
-      float t1 = step_distance(plan, float(i + 1u)), at = middle;
-      middle = step_distance(plan, float(i) + 1.5);
-      bvec2 here = bvec2(cloud_m.x > at && cloud_m.x <= middle, cloud_m.y > at && cloud_m.y <= middle);
-      bool move = any(here) && i + 1u < SHAFT_STEPS;
-      if (move) t1 = all(here) ? 0.5 * (cloud_m.x + cloud_m.y) : here.x ? cloud_m.x : cloud_m.y;
-      if (move || moved) at = 0.5 * (t0 + t1);
-      moved = move;
-      AirSource source = air_source_at(m, at, HAZE > 0u);
-      // Shade changes within a step where the air does not.
-      float visible = 0.0;
-      for (int j = 0; j < kShadeLooks; ++j) visible += AIR_VISIBLE(dir * mix(t0, t1, (float(j) + 0.5) / float(kShadeLooks))) / float(kShadeLooks);
-      visible = max(1.0 - shafts.data.intensity * (1.0 - visible), 0.0);
-      float depth1 = HAZE > 0u ? haze_depth_to(m, t1) : 0.0, haze1 = exp(-depth1);
-      float haze = HAZE > 0u ? mean_transmittance(haze0, haze1, depth1 - depth0) : 1.0;
-      float length_m = max(t1 - t0, 0.0);
-      vec3 air = source.single * (visible * haze - 1.0) + source.multiple * (haze - 1.0);
-      vec3 lit = source.haze * visible + source.haze_sky;
-      for (int k = 0; k < 4; ++k) {
-        float share_m = clamp(depths[k] - t0, 0.0, length_m);
-        change[k] += share_m * air;
-        if (HAZE > 0u) {
-          change[k] += lit * max(haze0 - max(haze1, target_t[k]), 0.0);
-          clear[k] += share_m * (source.single + source.multiple);
+    // Clear air is looked at once in a group of steps. Loops, not branches: a software device runs both sides of these.
+    AirStretch stretch = start_air_stretch(m, t0);
+    int groups = int(plan.steps + 0.5) / kGroup;
+    for (int j = 0; j < groups; ++j) {
+      if (HAZE == 0u) next_air_stretch(m, stretch, step_distance(plan, float((j + 1) * kGroup)));
+      for (int i = j * kGroup; i < (j + 1) * kGroup; ++i) {
+        float t1 = step_distance(plan, float(i + 1)), at = middle;
+        middle = step_distance(plan, float(i) + 1.5);
+        bvec2 here = bvec2(cloud_m.x > at && cloud_m.x <= middle, cloud_m.y > at && cloud_m.y <= middle);
+        bool move = any(here) && float(i + 1) < plan.steps - 0.5;
+        if (move) t1 = all(here) ? 0.5 * (cloud_m.x + cloud_m.y) : here.x ? cloud_m.x : cloud_m.y;
+        if (move || moved) at = 0.5 * (t0 + t1);
+        moved = move;
+        AirSource source = AirSource(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+        if (HAZE > 0u) source = air_source_at(m, at, true);
+        else source.single = air_stretch_single(stretch, at);
+        // Shade changes within a step where the air does not.
+        float visible = 0.0;
+        for (int l = 0; l < kShadeLooks; ++l) visible += AIR_LOOK(mix(t0, t1, (float(l) + 0.5) / float(kShadeLooks)), uint(i * kShadeLooks + l)) / float(kShadeLooks);
+        visible = max(1.0 - shafts.data.intensity * (1.0 - visible * AIR_VISIBLE(dir * at)), 0.0);
+        float depth1 = HAZE > 0u ? haze_depth_to(m, t1) : 0.0, haze1 = exp(-depth1);
+        float haze = HAZE > 0u ? mean_transmittance(haze0, haze1, depth1 - depth0) : 1.0;
+        float length_m = max(t1 - t0, 0.0);
+        vec3 air = source.single * (visible * haze - 1.0) + source.multiple * (haze - 1.0);
+        vec3 lit = source.haze * visible + source.haze_sky;
+        for (int k = 0; k < 4; ++k) {
+          float share_m = clamp(depths[k] - t0, 0.0, length_m);
+          change[k] += share_m * air;
+          if (HAZE > 0u) {
+            change[k] += lit * max(haze0 - max(haze1, target_t[k]), 0.0);
+            clear[k] += share_m * (source.single + source.multiple);
+          }
         }
+        t0 = t1;
+        depth0 = depth1;
+        haze0 = haze1;
       }
-      t0 = t1;
-      depth0 = depth1;
-      haze0 = haze1;
     }
   }
   for (int k = 0; k < 4; ++k) change[k] += (1.0 - target_t[k]) * clear[k];

@@ -79,7 +79,7 @@ SHARED_FN float shaft_share(float distance_m, float entry_m) {
 }
 
 struct ShaftMarchPush {
-  uint downscale;
+  uvec2 block;           // sides of the blocks of pixels that share a ray
   uint has_clouds;       // 1: cloud_depths holds clouds' depths
   float glow;            // of screen: optical depth of what glows around the sun over clouds
 };
@@ -88,7 +88,7 @@ struct FroxelApplyPush {
   uint has_clouds;
 };
 struct ShaftApplyPush {
-  uint downscale;
+  uvec2 block;
   uint has_clouds;
   float top_m;           // scaled height that neither shade nor haze reaches
 };

@@ -75,7 +75,8 @@ FrameOutputs Renderer::Parts::add_frame(FrameGraph& graph, const FrameInfo& fram
       .terrain_top_m = terrain_shades ? terrain_shadow_map.shade_top_m(frame) : 0.0,
       .cloud_top_m = clouds ? static_cast<double>(clouds->clouds.constants().hull_high_m) : 0.0,
       .ground_m = terrain.ground_height_m(pose.at.lat_rad, pose.at.lon_rad),
-      .ground_albedo = scene.atmosphere.ground_albedo};
+      .ground_albedo = scene.atmosphere.ground_albedo,
+      .sequence = needs.sequence};
   behind.shafts = shafts.add_constants(graph, frame, scene.shafts, scene.haze, air);
   behind.haze_layers = static_cast<uint32_t>(drawn_haze(scene.haze).size());
   if (terrain_shades)

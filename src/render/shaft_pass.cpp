@@ -17,8 +17,8 @@ namespace nepho {
 
 static_assert(sizeof(shared::HazeLayerData) == 32);
 static_assert(sizeof(shared::ShaftData) == 4 * 32 + 16 + 16);
-static_assert(sizeof(shared::ShaftMarchPush) == 12);
-static_assert(sizeof(shared::ShaftApplyPush) == 12);
+static_assert(sizeof(shared::ShaftMarchPush) == 16);
+static_assert(sizeof(shared::ShaftApplyPush) == 16);
 static_assert(sizeof(shared::FroxelGrid) == 24);
 static_assert(sizeof(shared::FroxelApplyPush) == 28);
 
@@ -30,8 +30,10 @@ constexpr double kBulk = 3.0;
 constexpr double kGrowth = 5.0;
 /// Of the march through the air of screen-space shafts, whose shade is the same along a ray.
 constexpr uint32_t kScreenMarchSteps = 8;
-/// Angle that the side of a block of pixels covers at most: 0.5 degrees.
-constexpr double kWidestBlock_rad = 0.0087;
+/// Angle that the side of a block of pixels covers at most: 0.5 degrees, in a sequence its width 0.75.
+constexpr double kWidestBlock_rad = 0.0087, kWidestInSequence_rad = 0.013;
+/// Width of blocks in a sequence at least, where these are not too wide.
+constexpr double kSequenceBlock_px = 4.0;
 /// Side of blocks in large pictures: a quarter of a degree, and so many rows of them, at most.
 constexpr double kBlock_rad = 0.0044, kBlockRows = 270.0, kMostBlock_px = 8.0;
 /// Optical depth of what glows around the sun over clouds, at screen_glow 1.
@@ -41,13 +43,18 @@ uint32_t blocks_of(uint32_t pixels, uint32_t side) { return (pixels + side - 1) 
 
 /// With haze every pixel has a ray of its own: what lies low over distant ground changes from row to row. So it has
 /// where blocks would be wider than shafts: in small pictures, which cost little. Shafts are as wide in large pictures
-/// as in small ones, and blocks grow with their pixels.
-uint32_t block_side(const FrameInfo& frame, const ShaftParams& params, const std::vector<HazeLayer>& haze) {
-  if (!haze.empty()) return 1;
+/// as in small ones, and blocks grow with their pixels. In a sequence they are wider than high: towards the horizon
+/// distances change from row to row.
+glm::uvec2 block_of(const FrameInfo& frame, const ShaftParams& params, const std::vector<HazeLayer>& haze,
+                    bool sequence) {
+  if (!haze.empty()) return {1, 1};
   const double pixel_rad = static_cast<double>(frame.constants.pixel_angle_rad);
   const double wanted = std::max(static_cast<double>(params.downscale),
                                  std::min({kBlock_rad / pixel_rad, frame.extent.height / kBlockRows, kMostBlock_px}));
-  return static_cast<uint32_t>(std::clamp(kWidestBlock_rad / pixel_rad, 1.0, wanted));
+  const auto high = static_cast<uint32_t>(std::clamp(kWidestBlock_rad / pixel_rad, 1.0, wanted));
+  if (!sequence) return {high, high};
+  const auto wide = static_cast<uint32_t>(std::clamp(kWidestInSequence_rad / pixel_rad, 1.0, kSequenceBlock_px));
+  return {std::max(wide, high), std::max(std::min(wide, 3u), high)};
 }
 
 /// Whose shade is drawn, and geodetic height that it does not reach.
@@ -142,9 +149,9 @@ void bind_froxels(FrameGraph::PassBuilder& pass, const FroxelRefs& refs) {
 }
 
 const gpu::ComputePipeline& ShaftPass::pipeline(Kind kind, uint32_t haze_layers, uint32_t steps, uint32_t more,
-                                                bool terrain) {
-  const uint32_t shaded = terrain ? 1 : 0;
-  gpu::ComputePipeline& wanted = pipelines_[{kind, haze_layers, steps, more, shaded}];
+                                                bool terrain, bool quick) {
+  const uint32_t shaded = terrain ? 1 : 0, few = quick ? 1 : 0;
+  gpu::ComputePipeline& wanted = pipelines_[{kind, haze_layers, steps, more, shaded, few}];
   if (!wanted) {
     const std::span<const uint32_t> spirv[] = {shaft_march_comp, screen_march_comp,      haze_march_comp,
                                                shaft_apply_comp, froxel_fill_shaft_comp, froxel_fill_haze_comp,
@@ -154,7 +161,7 @@ const gpu::ComputePipeline& ShaftPass::pipeline(Kind kind, uint32_t haze_layers,
     wanted = gpu::ComputePipeline(device_,
                                   {.name = names[kind],
                                    .spirv = spirv[kind],
-                                   .constants = {spectral_groups_, 0, 0, 0, 0, 0, haze_layers, steps, more, shaded}});
+                                   .constants = {spectral_groups_, 0, 0, 0, 0, 0, haze_layers, steps, more, shaded, few}});
   }
   return wanted;
 }
@@ -218,8 +225,8 @@ ShaftPass::Blocks ShaftPass::add_march(FrameGraph& graph, const FrameInfo& frame
                                        const Inputs& in) {
   const Shade shade = shade_of(params, method, air);
   const bool screen = shade.clouds && method == ShaftMethod::screen;
-  const uint32_t side = block_side(frame, params, haze);
-  const Extent2D blocks{blocks_of(frame.extent.width, side), blocks_of(frame.extent.height, side)};
+  const glm::uvec2 block = block_of(frame, params, haze, air.sequence);
+  const Extent2D blocks{blocks_of(frame.extent.width, block.x), blocks_of(frame.extent.height, block.y)};
   const auto image = [&](const char* name) {
     return graph.create(name, {.extent = blocks, .format = Format::rgba32f});
   };
@@ -229,7 +236,7 @@ ShaftPass::Blocks ShaftPass::add_march(FrameGraph& graph, const FrameInfo& frame
   const gpu::ComputePipeline& marcher =
       pipeline(kind, static_cast<uint32_t>(haze.size()),
                screen && haze.empty() && !shade.terrain ? kScreenMarchSteps : params.steps, screen ? params.steps : 0,
-               shade.terrain);
+               shade.terrain, air.sequence);
   auto march = graph.pass(screen ? "shafts.screen" : shade ? "shafts.march" : "haze.march");
   march.uniform("frame", frame.buffer)
       .uniform("shafts", constants(graph, frame, params, haze, shade.top_m, air))
@@ -246,7 +253,7 @@ ShaftPass::Blocks ShaftPass::add_march(FrameGraph& graph, const FrameInfo& frame
   else if (shade.clouds)
     bind_cloud_shadow(march, air.shadow);
   bind_terrain(graph, march, air.terrain);
-  const shared::ShaftMarchPush push{side, in.cloud ? 1u : 0u,
+  const shared::ShaftMarchPush push{block, in.cloud ? 1u : 0u,
                                     screen ? static_cast<float>(kGlowDepth * params.screen_glow) : 0.0f};
   march.record([&marcher, blocks, push](gpu::Commands& cmd) {
     cmd.bind(marcher).push(push).dispatch_threads(blocks.width, blocks.height);
@@ -294,7 +301,7 @@ ShaftPass::Outputs ShaftPass::add(FrameGraph& graph, const FrameInfo& frame, con
         .sample("cloud_near_tex", blocks.cloud_near, Sampler::nearest_clamp)
         .sample("cloud_far_tex", blocks.cloud_far, Sampler::nearest_clamp)
         .sample("depths_tex", blocks.depths, Sampler::nearest_clamp);
-    const shared::ShaftApplyPush push{block_side(frame, params, layers), has_clouds,
+    const shared::ShaftApplyPush push{block_of(frame, params, layers, air.sequence), has_clouds,
                                       scaled_top(changed_top_m(shade_of(params, method, air), layers))};
     pass.record([&applier, push, dispatch](gpu::Commands& cmd) { dispatch(cmd.bind(applier).push(push)); });
   };

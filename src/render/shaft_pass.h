@@ -48,6 +48,7 @@ class ShaftPass {
     double cloud_top_m = 0.0;        ///< geodetic height that no cloud reaches
     double ground_m = 0.0;           ///< geodetic height of the ground around the camera
     double ground_albedo = 0.1;
+    bool sequence = false;           ///< the picture is one of many: shade is looked for less often
   };
   struct Inputs {
     ImageRef depth_m;
@@ -89,11 +90,11 @@ class ShaftPass {
   BufferRef constants(FrameGraph& graph, const FrameInfo& frame, const ShaftParams& params,
                       const std::vector<HazeLayer>& haze, double shade_top_m, const Air& air) const;
   const gpu::ComputePipeline& pipeline(Kind kind, uint32_t haze_layers = 0, uint32_t steps = 0, uint32_t more = 0,
-                                       bool terrain = false);
+                                       bool terrain = false, bool quick = false);
   void bind_terrain(FrameGraph& graph, FrameGraph::PassBuilder& pass, const TerrainVolumeRefs& terrain) const;
   gpu::Device& device_;
   uint32_t spectral_groups_;
-  std::map<std::array<uint32_t, 5>, gpu::ComputePipeline> pipelines_;
+  std::map<std::array<uint32_t, 6>, gpu::ComputePipeline> pipelines_;
   gpu::Image no_terrain_;
 };
 

@@ -61,9 +61,10 @@ struct Drawn {
   std::vector<gpu::PassTiming> passes;
 };
 
-Drawn draw(gpu::Device& device, const Scene& scene) {
+Drawn draw(gpu::Device& device, const Scene& scene, uint32_t frame_number = 0) {
   Renderer renderer(device, {}, scene);
   RenderRequest request;
+  request.frame_number = frame_number;
   request.display = false;
   RenderResult result = renderer.render(request);
   return {std::move(result.layers), result.pose, renderer.timings().passes};
@@ -300,4 +301,33 @@ TEST_CASE("gpu: blocks of 2 x 2 pixels lose the light that a ray for every pixel
   CHECK(off > 0.0);  // there are blocks
   CHECK(off < 0.03 * lost);
   CHECK(std::abs(bias) < 0.01 * lost);
+}
+
+TEST_CASE("gpu: pictures of a sequence lose the light that a still one loses") {
+  GpuFixture gpu;
+  View view = kViews[0];
+  view.fov_deg = 25.0;
+  const Extent2D size{160, 90};
+  // What shade takes, per pixel.
+  const auto lost = [&](uint32_t frame_number) {
+    std::vector<double> y(size_t{size.width} * size.height, 0.0);
+    for (const char* method : {"none", "shadow-length"}) {
+      const ImageBuffer layers = draw(gpu.device, scene_of(view, method, size), frame_number).layers;
+      const double sign = std::string(method) == "none" ? 1.0 : -1.0;
+      for (size_t k = 0; k < y.size(); ++k)
+        y[k] += sign * luminance({channel(layers, "R")[k], channel(layers, "G")[k], channel(layers, "B")[k]});
+    }
+    return y;
+  };
+  const std::vector<double> still = lost(0), one_of_many = lost(1);
+  double whole = 0.0, off = 0.0, bias = 0.0;
+  for (size_t k = 0; k < still.size(); ++k) {
+    whole += still[k];
+    off += std::abs(one_of_many[k] - still[k]);
+    bias += one_of_many[k] - still[k];
+  }
+  std::printf("shafts | of a sequence | off by %.2f %% of what is lost, bias %+.2f %%\n", 100.0 * off / whole,
+              100.0 * bias / whole);
+  CHECK(off < 0.1 * whole);
+  CHECK(std::abs(bias) < 0.03 * whole);
 }
