@@ -52,7 +52,8 @@ float cloud_sun_depth(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_m
     churn = cloud_churn(l, near, up, eta, log2_footprint);
     near_detail = cloud_detail_level(l, c, churn, near, eta, max(log2_footprint, log2(0.5 * first_m)), detail_unknown);
   }
-  for (int i = 0; i < (CONE ? kConeTaps : kSunTaps); ++i) {
+  int i = 0;
+  do {
     if (CONE) length_m = cone_length(i, first_m, kSunGrowth, kSunTaps);
     float d = from_m + 0.5 * length_m;
     vec3 way = CONE ? sun + cone_aside(sun, i) : sun;
@@ -77,7 +78,7 @@ float cloud_sun_depth(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_m
     depth += sigma_per_m * length_m;
     from_m += length_m;
     length_m *= kSunGrowth;
-  }
+  } while (++i < (CONE ? kConeTaps : kSunTaps));
   return depth + grid_sun_depth(light_data.data.grid, p_cam + sun * from_m, sun).x;
 }
 

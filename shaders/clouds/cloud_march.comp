@@ -23,6 +23,7 @@ layout(scalar, set = 0, binding = 27) uniform LightBlock { CloudLightConstants d
 #include "clouds/cloud_grid.glsl"
 #include "clouds/light_cells.glsl"
 #include "clouds/cloud_light.glsl"
+#include "clouds/cloud_search.glsl"
 layout(set = 0, binding = 20, r32f) uniform readonly image2D depth_m;
 layout(set = 0, binding = 21, rgba32f) uniform writeonly image2D out_light;
 layout(set = 0, binding = 22, rgba32f) uniform writeonly image2D out_info;
@@ -38,75 +39,16 @@ layout(set = 0, binding = 30, rg32f) uniform writeonly image2D out_depths;   // 
 
 const float kStepShare = FINE ? 0.01 : 0.02;  // of the distance, of a step
 const int kMaxSteps = FINE ? 512 : 256;
-const int kSearchSteps = 6, kMarchSteps = 8;  // of one kind before the other has its turn
+const int kSearchSteps = 12, kMarchSteps = 16;  // of one kind before the other has its turn
 const int kModeSearch = 0, kModeAhead = 1, kModeMarch = 2;
-const int kPlaces = 8;              // readings of the weather map along a ray
 const int kMaxLights = FINE ? 8 : 4;              // points of a ray that look for the sun
 const float kLightShare = FINE ? 0.15 : 0.32;     // about how much of what the ray sees each stands for
 const float kOneDepth = 0.02;       // of the depth: two that are closer than this are one
 const float kOpaque = 1.0e-3;       // transmittance at which nothing behind matters
 const float kDeepest = 8.0;         // optical depth at which the wide lobes are used up too
-const float kLevelStep = 0.16;      // a level of -1 is about this many cells from a cloud, at least
 const float kColumn_m = 250.0;      // ground between two readings of the slow fields
 const float kSkyView = 0.3;         // as CloudOctave.view, for light of the sky and the ground
-const float kShapeReach = 1.15;     // most that billows add to a level, but for one place in three thousand
-const float kShapeStep = 0.13;      // with billows, a level of -1 is about so many sqrt(2500 m cell size) from a cloud
 const float kRough = 0.0006;        // standard deviation of the level halfway between two samples, per metre, of cells of 2500 m
-const float kBaseSlope = 0.04;      // steepest rise of a base that follows ground or weather
-
-// The stretches of the ray between the shells that hold all layers: [span.x, span.y] without the part [gap.x, gap.y] below
-// them. entry_f_m2 is planet_f() at span.x, known from the shell itself where the ray enters through one: no large float is
-// subtracted.
-bool hull_span(vec3 dir, float far_m, out vec2 span, out vec2 gap, out float entry_f_m2) {
-  PlanetView planet = CLOUD_PLANET;
-  // Scaled height is up to 1.00336 times the geodetic one: the shells are taken that much apart.
-  float low_m = CLOUD.hull_low_m - max(-CLOUD.hull_low_m, 0.0) * 0.0034 - 1.0, high_m = CLOUD.hull_high_m * 1.0034 + 1.0;
-  gap = vec2(kFarDepth_m);
-  entry_f_m2 = planet.camera_f_m2;
-  vec2 outer, inner;
-  if (!intersect_shell(planet, dir, high_m, outer) || outer.y <= 0.0) return false;
-  span = vec2(max(outer.x, 0.0), min(outer.y, far_m));
-  if (outer.x > 0.0) entry_f_m2 = high_m * (2.0 * planet.a_m + high_m);
-  if (intersect_shell(planet, dir, low_m, inner) && inner.y > 0.0) {
-    if (inner.x <= 0.0) {  // the camera is below the layers
-      span.x = inner.y;
-      entry_f_m2 = low_m * (2.0 * planet.a_m + low_m);
-    } else {
-      gap = inner;
-    }
-  }
-  return span.x < span.y;
-}
-
-// Length of a ray over which height changes by dz, where it climbs by `climb` per metre and the Earth curves away below it.
-float ray_over(float dz_m, float climb) { return 2.0 * dz_m / (climb + sqrt(climb * climb + 2.0 * dz_m / CLOUD_PLANET.a_m)); }
-
-// Length of a ray before it can meet a layer that is `away_m` metres above it (above: whose base is that far over the point)
-// or below it, where the ray climbs by `climb` and the layer's faces by at most `slope` per metre.
-float ray_free(float away_m, bool above, float climb, float slope) {
-  float bend = 2.0 * away_m / (1.01 * CLOUD_PLANET.a_m);
-  float closing = slope + (above ? climb : -climb);
-  float root = closing * closing + (above ? 1.03 * bend : -bend);
-  if (root < 0.0 || (!above && closing <= 0.0)) return 1.0e9;  // the Earth curves away sooner than the ray sinks
-  root = sqrt(root);
-  return closing < 0.0 ? 0.97 * CLOUD_PLANET.a_m * (root - closing) : 2.0 * away_m / (closing + root);
-}
-
-CloudWeather mix_weather(CloudWeather a, CloudWeather b, float u) {
-  if (WEATHER == kWeatherUniform) {
-    a.ground_m = mix(a.ground_m, b.ground_m, u);
-    return CloudWeather(vec4(CLOUD.uniform_coverage), vec4(0.5, 0.0, 1.0, 0.0), GROUND ? a.ground_m : vec2(0.0));
-  }
-  return CloudWeather(mix(a.coverage, b.coverage, u), mix(a.properties, b.properties, u), mix(a.ground_m, b.ground_m, u));
-}
-
-// Highest level that billows and what the footprint hides can make of a column's. (The steep cut at the base says nothing
-// about distance.)
-float cloud_reach(uint l, float level, float need, float eta, float unknown) {
-  return level + max(need - 1.0, 0.0) * smoothstep(0.03, 0.0, eta) + 
-         kShapeReach * CLOUD.layers[l].shape_amount * smoothstep(0.0, 0.25, eta) * (1.0 - 0.75 * anvil_share(eta, CLOUD.layers[l].anvil_amount)) +
-         2.6 * sqrt(unknown);
-}
 
 void main() {
   // Neighbouring lanes march in step: blocks of 4 x 2 pixels stay together better than rows of 8.
@@ -129,7 +71,8 @@ void main() {
   vec4 split_sums = vec4(0.0);
   float first_m = 0.0;       // distance of the first cloud
   int all_steps = 0, samples = 0;  // samples: evaluations of a layer's density, for eye and sun
-  for (int ray = 0; ray < RAYS; ++ray) {
+  int ray = 0;
+  do {
   vec3 dir = pixel_direction(frame.frame_data, vec2(pixel) + (RAYS == 1 ? vec2(0.5) : 0.25 + 0.5 * vec2(ray & 1, ray >> 1)));
   float transmittance = 1.0, tau = 0.0;
   int steps = 0;
@@ -207,14 +150,16 @@ void main() {
     float safe_s = 0.0;      // up to here no other layer's can be
     int mode = kModeSearch;
     bool done = false;
-    while (steps < kMaxSteps && !done && (s < end || mode != kModeSearch)) {
+    // (Conditions of loops are last: one at the head has such a device turn the loop once more than any lane needs.)
+    if (s < end) do {
       float place = sqrt(clamp(s / end, 0.0, 1.0)) * float(kPlaces - 1);
       int first = min(int(place), kPlaces - 2);
       CloudWeather weather0 = places[first], weather1 = places[first + 1];
       float u0 = float(first) / float(kPlaces - 1), u1 = float(first + 1) / float(kPlaces - 1);
       float weather_s = end * u0 * u0, weather_per_m = 1.0 / (end * (u1 * u1 - u0 * u0)), weather_end = end * u1 * u1;
 
-      for (int n = 0; n < kSearchSteps && mode != kModeMarch && (s < end || mode == kModeAhead) && (n == 0 || s < weather_end); ++n) {
+      int n = 0;
+      if (mode != kModeMarch && (s < end || mode == kModeAhead)) do {
         ++steps;
         if (mode == kModeSearch && s >= gap_s.x && s < gap_s.y) {
           s = gap_s.y;
@@ -277,7 +222,8 @@ void main() {
           float unknown = c.unknown;
           float level = cloud_cell_field(l, c, p, up, height_m, log2_footprint, unknown);
           float need = cloud_need(l, c, eta);
-          float reach = cloud_reach(l, level - cell_threshold(need, c.probit), need, eta, unknown);
+          level -= cell_threshold(need, c.probit);
+          float reach = cloud_reach(l, level, need, eta, unknown);
           bool inside = todo != 0u && (CLOUD.uniform_density > 0.0 ? eta >= 0.0 && eta <= 1.0 : eta > 0.0 && eta < 1.0);
           if (CLOUD.uniform_density > 0.0) reach = 1.0;
           for (uint i = 0u; i < LAYERS; ++i) {
@@ -288,7 +234,7 @@ void main() {
             ++samples;
             float apart_m = kLevelStep * CLOUD.layers[l].cell_size_m;
             if (inside && reach > 0.0) dense |= 1u << l;
-            else step_m = min(step_m, inside ? clamp(-reach * apart_m, fine, max(fine, min(fine + 0.08 * t + 0.5 * apart_m, 0.1 * crossings * cap))) : fine);
+            else step_m = min(step_m, inside ? clamp(clear_air_m(l, level, reach, fine), fine, max(fine, min(fine + 0.08 * t + 0.5 * apart_m, 0.1 * crossings * cap))) : fine);
           }
           todo &= todo - 1u;
         } while (todo != 0u);
@@ -305,9 +251,10 @@ void main() {
           s += (in_layer ? jitter : 1.0) * step_m;
           last_s = -1.0;
         }
-      }
+      } while (++n < kSearchSteps && mode != kModeMarch && (s < end || mode == kModeAhead) && s < weather_end);
 
-      for (int n = 0; n < kMarchSteps && mode == kModeMarch; ++n) {
+      n = 0;
+      if (mode == kModeMarch) do {
         ++steps;
         float t = span.x + s;
         float fine = min(max(t * kStepShare, shortest), max(cap, least_m));
@@ -364,7 +311,7 @@ void main() {
               advance_m = clamp(-level * kShapeStep * 2500.0 * size, 0.6 * fine, 8.0 * fine);
             } else if (between_faces) {
               float apart_m = kLevelStep * CLOUD.layers[l].cell_size_m;
-              advance_m = clamp(-reach * apart_m, fine, max(fine, min(fine + 0.08 * t + 0.5 * apart_m, 0.1 * crossings * cap)));
+              advance_m = clamp(clear_air_m(l, level, reach, fine), fine, max(fine, min(fine + 0.08 * t + 0.5 * apart_m, 0.1 * crossings * cap)));
             }
             // The cut at the base is no slope: without it, and the part of the stretch below it counted off. (Far below 0 the
             // level says nothing about where between the samples it passes 0.)
@@ -468,10 +415,9 @@ void main() {
         if (tau >= kDeepest || at_end) {
           s = end;
           done = true;
-          break;
         }
-      }
-    }
+      } while (!done && ++n < kMarchSteps && mode == kModeMarch);
+    } while (steps < kMaxSteps && !done && (s < end || mode != kModeSearch));
     // What is left goes with the last source; or is the only one, where the ray sees little.
     if (pending_seen > 0.0) {
       if (lights == 0) {
@@ -509,7 +455,7 @@ void main() {
   passed += transmittance;
   tau_sum += tau;
   all_steps += steps;
-  }
+  } while (++ray < RAYS);
   float transmittance = passed / float(RAYS);
   light /= float(RAYS);
   light_x /= float(RAYS);
