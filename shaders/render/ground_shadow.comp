@@ -11,17 +11,17 @@ layout(set = 0, binding = 21, r32f) uniform writeonly image2D sun_visibility;
 #define PIXEL_TILES_BINDING 22
 #include "common/pixel_tiles.glsl"
 
-const int kTaps = 8;
+const int kMostTaps = 8;
 
 // Mean of one cascade over the light's disc, whose radius there is in texels; at most a tile's width, which is there around
 // every usable one.
 float soft_read(uint k, vec3 p, float radius) {
   // Bilinear reads are as wide as a texel already.
-  int taps = radius > 0.7 ? kTaps : 1;
+  int taps = radius > 2.0 ? kMostTaps : radius > 0.7 ? 4 : 1;
   float width = taps > 1 ? min(radius, float(kShadowTile)) : 0.0, sum = 0.0;
   for (int i = 0; i < taps; ++i) {
     // Points of equal area each, at golden angles (Vogel 1979).
-    float r = width * sqrt((float(i) + 0.5) / float(kTaps)), a = 2.399963 * float(i);
+    float r = width * sqrt((float(i) + 0.5) / float(taps)), a = 2.399963 * float(i);
     sum += shadow_read(k, p, r * vec2(cos(a), sin(a)));
   }
   return sum / float(taps);

@@ -15,6 +15,9 @@ struct TerrainShadowConstants {
   float highest_m;  // ground of the whole map
 };
 
+// How far below the ground of a texel of this size the map of shadow heights follows shadows, m.
+SHARED_FN float deepest_shade_m(float texel_m) { return min(2.0f * texel_m + 5.0f, 300.0f); }
+
 // Share of a disc that stands above a straight horizon `clear` radii below its centre.
 SHARED_FN float disc_share(float clear) {
   float x = clamp(clear, -1.0f, 1.0f);

@@ -18,7 +18,6 @@ layout(push_constant) uniform Push { uint first_level; } push;
 
 const int kSteps = 640;
 const float kTolerance = 0.1;   // of the half width of a penumbra: what raises a shadow by less may be leapt over
-const float kDeepest_m = 300.0;  // below ground of this texel nobody asks
 
 void main() {
   ivec3 texel = ivec3(gl_GlobalInvocationID) + ivec3(0, 0, push.first_level);
@@ -35,7 +34,7 @@ void main() {
   float f0 = scaled_m * (2.0 * planet.a_m + scaled_m), slope = 2.0 * dot(q0, scaled_light), bend = dot(scaled_light, scaled_light);
   float root0 = planet.a_m + scaled_m;
   // Heights over the start, until the end: half hidden, end of the penumbra; and their half widths.
-  float half_m = -min(2.0 * own_texel_m + 5.0, kDeepest_m), end_m = half_m;
+  float half_m = -deepest_shade_m(own_texel_m), end_m = half_m;
   float half_width_m = 1.0, end_width_m = 1.0;
   float t = 0.0;
   int mip = 0;

@@ -80,8 +80,8 @@ FrameOutputs Renderer::Parts::add_frame(FrameGraph& graph, const FrameInfo& fram
   behind.shafts = shafts.add_constants(graph, frame, scene.shafts, scene.haze, air);
   behind.haze_layers = static_cast<uint32_t>(drawn_haze(scene.haze).size());
   if (terrain_shades)
-    behind.sun_visibility =
-        terrain_shadow.add(graph, frame, surface, terrain_shadow_map.import_into(graph), behind.sun_visibility);
+    behind.sun_visibility = terrain_shadow.add(graph, frame, surface, terrain_shadow_map.import_into(graph),
+                                               terrain_air.lit, behind.sun_visibility);
   const ImageRef lit = background.add(graph, frame, scene.atmosphere, behind);
   const ShaftMethod method = shaft_method_of(scene, frame);
   CloudMarchPass::Outputs marched;

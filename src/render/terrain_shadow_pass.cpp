@@ -6,7 +6,7 @@
 namespace nepho {
 
 ImageRef TerrainShadowPass::add(FrameGraph& graph, const FrameInfo& frame, const Terrain::Outputs& terrain,
-                                const TerrainShadowMap::Refs& shadow, ImageRef cloud_share) const {
+                                const TerrainShadowMap::Refs& shadow, ImageRef lit, ImageRef cloud_share) const {
   const uint32_t clouds = cloud_share ? 1u : 0u;
   gpu::ComputePipeline& pipeline = pipelines_[clouds];
   if (!pipeline)
@@ -17,6 +17,7 @@ ImageRef TerrainShadowPass::add(FrameGraph& graph, const FrameInfo& frame, const
   pass.uniform("frame", frame.buffer)
       .sample("depth_m", terrain.depth_m, Sampler::nearest_clamp)
       .sample("cloud_share", cloud_share ? cloud_share : terrain.depth_m, Sampler::nearest_clamp)
+      .sample("terrain_lit_tex", lit, Sampler::nearest_clamp)
       .read("pixel_tiles", terrain.surface_tiles)
       .indirect(terrain.surface_tiles)
       .write("sun_visibility", out);

@@ -11,6 +11,7 @@
 #include "geo/region_map.h"
 #include "gpu/commands.h"
 #include "terrain/ground_texels.h"
+#include "terrain/terrain_lit.comp.h"
 #include "terrain/terrain_volume.comp.h"
 #include "terrain/tile_reads.h"
 
@@ -191,9 +192,14 @@ TerrainVolumeRefs TerrainShadowMap::add_volume(FrameGraph& graph, const FrameInf
                                     .extent = {shared::kShadowTexels, shared::kShadowTexels},
                                     .format = Format::rgba32f,
                                     .layers = levels});
+    lit_ = device_.create_image({.name = "terrain.lit",
+                                 .extent = {shared::kShadowTexels, shared::kShadowTexels},
+                                 .format = Format::r32f,
+                                 .layers = levels});
     volume_lights_.clear();
   }
-  const TerrainVolumeRefs refs{graph.import(volume_), graph.constants("terrain.volume_map", constants_.map)};
+  const TerrainVolumeRefs refs{graph.import(volume_), graph.constants("terrain.volume_map", constants_.map),
+                               graph.import(lit_)};
   const glm::vec3 light = frame.constants.key_dir;
   volume_lights_.resize(levels, glm::vec3(0.0f));  // of none
   uint32_t first = 0, count = levels;
@@ -217,6 +223,16 @@ TerrainVolumeRefs TerrainShadowMap::add_volume(FrameGraph& graph, const FrameInf
   bind_terrain_shadow(bake, import_into(graph));
   bake.record([this, first, count](gpu::Commands& cmd) {
     cmd.bind(bake_).push(first).dispatch_threads(shared::kShadowTexels, shared::kShadowTexels, count);
+  });
+  if (!bake_lit_) bake_lit_ = gpu::ComputePipeline(device_, {.name = "terrain.lit", .spirv = terrain_lit_comp});
+  auto lit = graph.pass("terrain.lit");
+  lit.uniform("frame", frame.buffer)
+      .sample("volume_tex", refs.shadow, Sampler::nearest_clamp)
+      .read_write("out_lit", refs.lit)
+      .effect();
+  bind_terrain_shadow(lit, import_into(graph));
+  lit.record([this, first, count](gpu::Commands& cmd) {
+    cmd.bind(bake_lit_).push(first).dispatch_threads(shared::kShadowTexels, shared::kShadowTexels, count);
   });
   return refs;
 }

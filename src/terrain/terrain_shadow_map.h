@@ -60,8 +60,8 @@ class TerrainShadowMap {
   gpu::Image image_;
   shared::TerrainShadowConstants constants_{};
   float lowest_m_ = 0.0f;
-  gpu::ComputePipeline bake_;
-  gpu::Image volume_;
+  gpu::ComputePipeline bake_, bake_lit_;
+  gpu::Image volume_, lit_;
   std::vector<glm::vec3> volume_lights_;  ///< by level; those that are missing have none yet
   bool draft_ = false;             ///< what is shown lacks what would have taken long to read
   std::atomic<bool> stop_{false};  ///< ends `next_`

@@ -7,6 +7,7 @@ namespace nepho {
 struct TerrainVolumeRefs {
   ImageRef shadow;  ///< rgba32f, a layer per level
   BufferRef map;    ///< shared::RegionMap
+  ImageRef lit = {};  ///< r32f: 1 where no shadow is near the ground, for terrain_shadow.comp
   explicit operator bool() const { return static_cast<bool>(shadow); }
 };
 inline void bind_terrain_volume(FrameGraph::PassBuilder& pass, const TerrainVolumeRefs& refs) {
