@@ -27,13 +27,14 @@ CloudMarchPass::CloudMarchPass(gpu::Device& device, const Clouds& clouds, uint32
       clear_(device, {.name = "clouds.clear", .spirv = cloud_clear_comp}),
       fine_(fine) {}
 
-const gpu::ComputePipeline& CloudMarchPass::march_pipeline(uint32_t phases, bool terrain, bool rays,
-                                                           bool listed) const {
-  gpu::ComputePipeline& pipeline = march_[phases - 1 + (terrain ? 2 : 0) + (rays ? 4 : 0) + (listed ? 8 : 0)];
+const gpu::ComputePipeline& CloudMarchPass::march_pipeline(uint32_t phases, bool terrain, bool rays, bool listed,
+                                                           bool fine) const {
+  gpu::ComputePipeline& pipeline =
+      march_[phases - 1 + (terrain ? 2 : 0) + (rays ? 4 : 0) + (listed ? 8 : 0) + (fine ? 16 : 0)];
   if (!pipeline) {
     std::vector<uint32_t> constants = clouds_.specialisation(phases);
     constants.push_back(terrain ? 1 : 0);
-    constants.push_back(fine_ ? 1 : 0);
+    constants.push_back(fine ? 1 : 0);
     constants.push_back(rays ? 4 : 1);
     constants.push_back(listed ? 1 : 0);
     pipeline = gpu::ComputePipeline(
@@ -73,12 +74,13 @@ CloudMarchPass::Marched CloudMarchPass::add_march(FrameGraph& graph, const Frame
       .uniform("terrain_volume", light.terrain_map);
   bind_density(pass, density);
   bind_pixel_list(graph, pass, in.list, 64);
+  const bool fine = fine_ && !in.whole_steps;
   double top_m = 0.0;
   for (const Clouds::HeightRange& r : clouds_.layer_ranges()) top_m = std::max(top_m, r.high_m);
   const double pixel_m = static_cast<double>(frame.constants.pixel_angle_rad) *
                          (static_cast<double>(frame.constants.planet.camera_height_m) - top_m);
   const gpu::ComputePipeline& pipeline =
-      march_pipeline(clouds_.phases_at(frame.time_s), light.terrain, fine_ && pixel_m > kWidePixel_m, listed);
+      march_pipeline(clouds_.phases_at(frame.time_s), light.terrain, fine && pixel_m > kWidePixel_m, listed, fine);
   pass.write("out_light", out.light)
       .write("out_info", out.info)
       .write("out_near", out.near)

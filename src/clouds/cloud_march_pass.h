@@ -22,6 +22,7 @@ class CloudMarchPass {
     CloudDensityRefs density;  ///< import_cloud_density()
     CloudLight::Refs light;    ///< of this frame
     CloudPixelList list = {};  ///< pixels to be marched; empty: all
+    bool whole_steps = false;  ///< even where the pass is a fine one: frames that follow make up for it
     ImageRef radiance = {}, info = {},
              depths = {};  ///< with a list: outputs that hold something at the other pixels already
   };
@@ -52,16 +53,16 @@ class CloudMarchPass {
   Marched add_march(FrameGraph& graph, const FrameInfo& frame, const Inputs& in) const;
 
  private:
-  const gpu::ComputePipeline& march_pipeline(uint32_t phases, bool terrain, bool rays, bool listed) const;
+  const gpu::ComputePipeline& march_pipeline(uint32_t phases, bool terrain, bool rays, bool listed, bool fine) const;
   const gpu::ComputePipeline& shade_pipeline(bool listed, bool volume) const;
   gpu::Device& device_;
   const Clouds& clouds_;
   uint32_t spectral_groups_;
   gpu::ComputePipeline clear_;
   bool fine_;
-  /// By phases - 1, with terrain's shade or without (2), with four rays or one (4), over a list (8); made when a frame
-  /// needs it.
-  mutable std::array<gpu::ComputePipeline, 16> march_;
+  /// By phases - 1, with terrain's shade or without (2), with four rays or one (4), over a list (8), fine (16); made when
+  /// a frame needs it.
+  mutable std::array<gpu::ComputePipeline, 32> march_;
   mutable std::array<gpu::ComputePipeline, 4> shade_;  ///< over a list (1), with an air volume (2)
 };
 

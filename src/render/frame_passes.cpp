@@ -98,6 +98,7 @@ FrameOutputs Renderer::Parts::add_frame(FrameGraph& graph, const FrameInfo& fram
                                  .density = density,
                                  .light = cloud_light,
                                  .list = selected.list,
+                                 .whole_steps = needs.live && (upscales || software),
                                  .radiance = selected.radiance,
                                  .info = selected.info,
                                  .depths = selected.depths});

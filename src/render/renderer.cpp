@@ -71,7 +71,8 @@ Renderer::Parts::CloudLighting& Renderer::Parts::CloudParts::lighting(bool live)
 
 Renderer::Parts::Parts(gpu::Device& device, TerrainSources sources, const SkySources& sky_sources,
                        const WeatherSources& weather, const Scene& scene, RenderTimings& timings)
-    : executor(device),
+    : software(device.info().is_software),
+      executor(device),
       terrain(device, std::move(sources), scene.terrain),
       terrain_shadow_map(device),
       terrain_shadow(device),

@@ -74,6 +74,7 @@ struct Renderer::Parts {
     std::array<std::unique_ptr<CloudLighting>, 2> lightings_;
   };
 
+  bool software = false;  ///< the device is a CPU
   gpu::GraphExecutor executor;
   Terrain terrain;
   TerrainShadowMap terrain_shadow_map;
