@@ -48,6 +48,7 @@ const float kOpaque = 1.0e-3;       // transmittance at which nothing behind mat
 const float kDeepest = 8.0;         // optical depth at which the wide lobes are used up too
 const float kColumn_m = 250.0;      // ground between two readings of the slow fields
 const float kSkyView = 0.3;         // as CloudOctave.view, for light of the sky and the ground
+const float kShapeStep = 0.13;      // with billows, a level of -1 is about so many sqrt(2500 m cell size) from a cloud
 const float kRough = 0.0006;        // standard deviation of the level halfway between two samples, per metre, of cells of 2500 m
 
 void main() {
@@ -234,7 +235,7 @@ void main() {
             ++samples;
             float apart_m = kLevelStep * CLOUD.layers[l].cell_size_m;
             if (inside && reach > 0.0) dense |= 1u << l;
-            else step_m = min(step_m, inside ? clamp(clear_air_m(l, level, reach, fine), fine, max(fine, min(fine + 0.08 * t + 0.5 * apart_m, 0.1 * crossings * cap))) : fine);
+            else step_m = min(step_m, inside ? clamp(-reach * apart_m, fine, max(fine, min(fine + 0.08 * t + 0.5 * apart_m, 0.1 * crossings * cap))) : fine);
           }
           todo &= todo - 1u;
         } while (todo != 0u);
@@ -311,7 +312,7 @@ void main() {
               advance_m = clamp(-level * kShapeStep * 2500.0 * size, 0.6 * fine, 8.0 * fine);
             } else if (between_faces) {
               float apart_m = kLevelStep * CLOUD.layers[l].cell_size_m;
-              advance_m = clamp(clear_air_m(l, level, reach, fine), fine, max(fine, min(fine + 0.08 * t + 0.5 * apart_m, 0.1 * crossings * cap)));
+              advance_m = clamp(-reach * apart_m, fine, max(fine, min(fine + 0.08 * t + 0.5 * apart_m, 0.1 * crossings * cap)));
             }
             // The cut at the base is no slope: without it, and the part of the stretch below it counted off. (Far below 0 the
             // level says nothing about where between the samples it passes 0.)

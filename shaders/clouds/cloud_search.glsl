@@ -4,8 +4,6 @@
 #include "clouds/cloud_density.glsl"
 
 const float kLevelStep = 0.16;      // a level of -1 is about this many cells from a cloud, at least
-const float kShapeStep = 0.13;      // with billows, a level of -1 is about so many sqrt(2500 m cell size) from a cloud
-const float kClearFine = 3.0;       // least steps that are taken at once, at most, where only billows could be
 const float kShapeReach = 1.15;     // most that billows add to a level, but for one place in three thousand
 const float kBaseSlope = 0.04;      // steepest rise of a base that follows ground or weather
 const int kPlaces = 8;              // readings of the weather map along a ray
@@ -54,12 +52,6 @@ float cloud_reach(uint l, float level, float need, float eta, float unknown) {
   return level + max(need - 1.0, 0.0) * smoothstep(0.03, 0.0, eta) + 
          kShapeReach * CLOUD.layers[l].shape_amount * smoothstep(0.0, 0.25, eta) * (1.0 - 0.75 * anvil_share(eta, CLOUD.layers[l].anvil_amount)) +
          2.6 * sqrt(unknown);
-}
-
-// How far a place is from clouds where its level without billows is below what these can add (reach < 0), in steps `fine`.
-float clear_air_m(uint l, float level, float reach, float fine) {
-  float size = sqrt(CLOUD.layers[l].cell_size_m / 2500.0);
-  return max(-reach * kLevelStep * CLOUD.layers[l].cell_size_m, min(-level * kShapeStep * 2500.0 * size, kClearFine * fine));
 }
 
 CloudWeather mix_weather(CloudWeather a, CloudWeather b, float u) {
