@@ -19,6 +19,8 @@ layout(set = 0, binding = 10, rgba16f) uniform writeonly image2D out_emission;
 #define PIXEL_TILES_BINDING 11
 #include "common/pixel_tiles.glsl"
 
+layout(constant_id = 0) const bool NIGHT = true;  // somewhere in view; else there is no emission
+
 const float kNightBlack = 0.006;  // linear; sRGB level 20 of 255
 
 // The lights' map where a texel of it covers many pixels: cubic B-spline, as four bilinear reads, so that a city is a
@@ -80,7 +82,7 @@ void main() {
       normal = normalize(up - slope.x * east - slope.y * north);
     }
     // Lights are out by day (sun more than 6 degrees up). The whole map is one small texture.
-    if (dot(up, f.sun_dir) < 0.105) {
+    if (NIGHT && dot(up, f.sun_dir) < 0.105) {
       vec2 map = tile.map_origin + uv * tile.map_size;
       float map_texel_m = 4.0075e7 / float(textureSize(night_tex, 0).x);
       float night_lod = log2(max(footprint_m / map_texel_m, 1.0e-6));
@@ -96,5 +98,5 @@ void main() {
   imageStore(out_depth_m, at, vec4(distance_m));
   imageStore(out_albedo, at, albedo);
   imageStore(out_normal, at, vec4(normal, 0.0));
-  imageStore(out_emission, at, vec4(emission, 0.0));
+  if (NIGHT) imageStore(out_emission, at, vec4(emission, 0.0));
 }

@@ -44,6 +44,15 @@ double ms_since(std::chrono::steady_clock::time_point start) {
 
 uint32_t tiles_along(uint32_t pixels) { return (pixels + shared::kPixelTile - 1) / shared::kPixelTile; }
 
+/// Whether lights of cities may be on somewhere in view (terrain_resolve.comp: the sun is less than 6 degrees up).
+bool sees_night(const shared::FrameConstants& frame) {
+  constexpr double kHighestGround_m = 9e3, kOn_rad = 0.106, kVerticals_rad = 0.01;  // the ellipsoid's verticals turn a little faster
+  const double a_m = static_cast<double>(frame.planet.a_m), h_m = static_cast<double>(frame.planet.camera_height_m);
+  const auto dip = [&](double height_m) { return std::acos(a_m / (a_m + std::max(height_m, 0.0))); };
+  const double sine = std::clamp(static_cast<double>(glm::dot(frame.camera_up, frame.sun_dir)), -1.0, 1.0);
+  return std::asin(sine) - dip(h_m) - dip(kHighestGround_m) < kOn_rad + kVerticals_rad;
+}
+
 /// An empty list with room for every tile of the picture.
 BufferRef no_pixel_tiles(FrameGraph& graph, const std::string& name, Extent2D extent) {
   std::vector<uint32_t> list(4 + size_t{tiles_along(extent.width)} * tiles_along(extent.height), 0u);
@@ -77,7 +86,6 @@ Terrain::Terrain(gpu::Device& device, TerrainSources sources, const TerrainParam
   else
     classify_pipeline_ =
         gpu::ComputePipeline(device_, {.name = "terrain.classify", .spirv = terrain_classify_group_comp});
-  resolve_pipeline_ = gpu::ComputePipeline(device_, {.name = "terrain.resolve", .spirv = terrain_resolve_comp});
   topologies_ = make_topologies();
   indices_ =
       device_.create_buffer({.name = "terrain.indices", .size_bytes = topologies_.indices.size() * sizeof(uint32_t)});
@@ -217,10 +225,14 @@ Terrain::Outputs Terrain::add(FrameGraph& graph, const FrameInfo& frame) const {
   const BufferRef tile_buffer = graph.constants("terrain.tiles", tiles);
   const ImageRef depth = graph.create("terrain.depth", {.extent = frame.extent, .format = Format::d32f});
   const ImageRef id = graph.create("terrain.id", {.extent = frame.extent, .format = Format::rg32u});
+  const bool night = sees_night(frame.constants);
+  // By day it is bound, never written.
+  const ImageRef emission = graph.create(
+      "terrain.emission", {.extent = night ? Extent3D(frame.extent) : Extent3D{1, 1}, .format = Format::rgba16f});
   const Outputs out{.depth_m = graph.create("terrain.depth_m", {.extent = frame.extent, .format = Format::r32f}),
                     .albedo = graph.create("terrain.albedo", {.extent = frame.extent, .format = Format::rgba16f}),
                     .normal = graph.create("terrain.normal", {.extent = frame.extent, .format = Format::rgba16f}),
-                    .emission = graph.create("terrain.emission", {.extent = frame.extent, .format = Format::rgba16f}),
+                    .emission = night ? emission : ImageRef{},
                     .surface_tiles = no_pixel_tiles(graph, "terrain.surface_tiles", frame.extent),
                     .sky_tiles = no_pixel_tiles(graph, "terrain.sky_tiles", frame.extent)};
   const SplitVertex camera = split(frame.camera_ecef_m);
@@ -253,6 +265,10 @@ Terrain::Outputs Terrain::add(FrameGraph& graph, const FrameInfo& frame) const {
         .record([this, extent = frame.extent](gpu::Commands& cmd) {
           cmd.bind(classify_pipeline_).dispatch_threads(8 * tiles_along(extent.width), 8 * tiles_along(extent.height));
         });
+  gpu::ComputePipeline& resolve = resolve_pipelines_[night];
+  if (!resolve)
+    resolve = gpu::ComputePipeline(
+        device_, {.name = "terrain.resolve", .spirv = terrain_resolve_comp, .constants = {night ? 1u : 0u}});
   graph.pass("terrain.resolve")
       .uniform("frame", frame.buffer)
       .read("tiles", tile_buffer)
@@ -264,10 +280,10 @@ Terrain::Outputs Terrain::add(FrameGraph& graph, const FrameInfo& frame) const {
       .write("out_depth_m", out.depth_m)
       .write("out_albedo", out.albedo)
       .write("out_normal", out.normal)
-      .write("out_emission", out.emission)
+      .write("out_emission", emission)
       .read("pixel_tiles", out.surface_tiles)
       .indirect(out.surface_tiles)
-      .record([this](gpu::Commands& cmd) { cmd.bind(resolve_pipeline_).dispatch_indirect(); });
+      .record([&resolve](gpu::Commands& cmd) { cmd.bind(resolve).dispatch_indirect(); });
   return out;
 }
 

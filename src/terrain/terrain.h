@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -62,7 +63,9 @@ class Terrain {
     ImageRef depth_m;   ///< r32f: distance along the pixel's ray, m; 1e10 for the sky
     ImageRef albedo;    ///< rgba16f: linear Rec. 709; a: 0 sky, 1 land, 2 water (whose rgb is 0)
     ImageRef normal;    ///< rgba16f: unit normal, ECEF axes; of water the geodetic normal; sky tiles undefined
-    ImageRef emission;  ///< rgba16f: night lights, linear, 1 the brightest; black without any; sky tiles undefined
+    /// rgba16f: night lights, linear, 1 the brightest; black without any; sky tiles undefined. Empty where it is day as
+    /// far as the camera sees.
+    ImageRef emission;
     /// The tiles of kPixelTile^2 pixels that show some ground, and those that do not (shaders/common/pixel_tiles.glsl).
     BufferRef surface_tiles, sky_tiles;
   };
@@ -118,7 +121,8 @@ class Terrain {
   TileMetaCache metas_;
 
   gpu::GraphicsPipeline raster_pipeline_;
-  gpu::ComputePipeline classify_pipeline_, resolve_pipeline_;
+  gpu::ComputePipeline classify_pipeline_;
+  mutable std::array<gpu::ComputePipeline, 2> resolve_pipelines_;  ///< by day, by night; made when a frame needs them
   TileTopologies topologies_;
   gpu::Buffer indices_;
   gpu::Image night_map_;

@@ -47,7 +47,7 @@ Picture draw(gpu::GraphExecutor& executor, Terrain& terrain, FrameInfo frame, co
   FrameGraph graph;
   frame.buffer = graph.constants("frame", frame.constants);
   const Terrain::Outputs out = terrain.add(graph, frame);
-  for (const ImageRef image : {out.depth_m, out.albedo, out.normal, out.emission}) graph.keep(image);
+  for (const ImageRef image : {out.depth_m, out.albedo, out.normal}) graph.keep(image);
   executor.run(graph);
   const std::clock_t between = std::clock();  // the first run compiles shaders
   executor.run(graph);
