@@ -19,9 +19,9 @@ class CloudMarchPass {
     ImageRef depth_m;  ///< r32f: distance along the pixel's ray to the surface, m; 1e10 for none
     AtmosphereTables::Refs atmosphere = {};
     AirVolume::Refs air_volume = {};  ///< may be empty: the air before clouds is integrated
-    CloudDensityRefs density;  ///< import_cloud_density()
-    CloudLight::Refs light;    ///< of this frame
-    CloudPixelList list = {};  ///< pixels to be marched; empty: all
+    CloudDensityRefs density;         ///< import_cloud_density()
+    CloudLight::Refs light;           ///< of this frame
+    CloudPixelList list = {};         ///< pixels to be marched; empty: all
     ImageRef radiance = {}, info = {},
              depths = {};  ///< with a list: outputs that hold something at the other pixels already
   };
