@@ -44,7 +44,7 @@ struct AirVolumeData {
   vec3 aerosol_per_m;
   float table_top_m; // height of the light tables' last row
   vec3 mu_low;       // cosines of the light tables' first column: key light, sun, moon
-  uint lights_used;
+  float pad1;
   vec3 mu_span;
   float pad0;
 };

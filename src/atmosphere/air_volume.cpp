@@ -49,7 +49,8 @@ glm::ivec4 window_of(const shared::AirVolumeData& volume, const shared::AirVolum
     const int side = i / kLooks % 4;
     const glm::vec2 part =
         glm::mix(corners[side], corners[(side + 1) % 4], static_cast<float>(i % kLooks) / static_cast<float>(kLooks));
-    const glm::vec3 scaled = scaled_from_cam(frame.planet, shared::pixel_direction(frame, part * glm::vec2(frame.size)));
+    const glm::vec3 scaled =
+        scaled_from_cam(frame.planet, shared::pixel_direction(frame, part * glm::vec2(frame.size)));
     const shared::AirPlace place = shared::air_place(volume, glm::dot(scaled, light.forward),
                                                      glm::dot(scaled, light.side), glm::dot(scaled, volume.up));
     const glm::vec2 at(place.azimuth * last_azimuth,
@@ -83,12 +84,11 @@ shared::AirVolumeData make_air_volume(const shared::AtmosphereUniform& air, cons
   volume.gas_per_m = glm::max(glm::vec3(p.rayleigh.scattering_per_m), glm::vec3(1e-12f));
   volume.aerosol_per_m = glm::max(glm::vec3(p.mie.extinction_per_m), glm::vec3(1e-12f));
   volume.table_top_m = static_cast<float>(std::max(top_m, kHighestGround_m) * 1.01);
-  volume.lights_used = frame.light_count;
-  const double reach_rad =
-      std::acos(R / (R + h)) + std::acos(R / (R + static_cast<double>(volume.table_top_m))) + 0.01;
+  const double reach_rad = std::acos(R / (R + h)) + std::acos(R / (R + static_cast<double>(volume.table_top_m))) + 0.01;
   const glm::vec3 directions[] = {frame.key_dir, frame.sun_dir, frame.moon_dir};
   for (int i = 0; i < 3; ++i) {
-    const double zenith = std::acos(std::clamp(static_cast<double>(glm::dot(frame.camera_up, directions[i])), -1.0, 1.0));
+    const double zenith =
+        std::acos(std::clamp(static_cast<double>(glm::dot(frame.camera_up, directions[i])), -1.0, 1.0));
     const double highest = std::cos(std::max(zenith - reach_rad, 0.0));
     const double lowest = std::cos(std::min(zenith + reach_rad, static_cast<double>(shared::kPi)));
     volume.mu_low[i] = static_cast<float>(lowest);
@@ -107,7 +107,8 @@ shared::AirVolumeData make_air_volume(const shared::AtmosphereUniform& air, cons
 
 AirVolume::AirVolume(gpu::Device& device, uint32_t spectral_groups)
     : fill_(device, {.name = "atmosphere.air_volume", .spirv = air_volume_comp, .constants = {spectral_groups}}),
-      tables_(device, {.name = "atmosphere.light_tables", .spirv = light_tables_comp, .constants = {spectral_groups}}) {}
+      tables_(device, {.name = "atmosphere.light_tables", .spirv = light_tables_comp, .constants = {spectral_groups}}) {
+}
 
 bool AirVolume::serves(const shared::AtmosphereUniform& air, const shared::FrameConstants& frame, double top_m) {
   const float sun = glm::dot(frame.camera_up, frame.sun_dir);
@@ -120,10 +121,10 @@ AirVolume::Refs AirVolume::add(FrameGraph& graph, const FrameInfo& frame, const 
   const uint32_t lights = frame.constants.light_count;
   const Refs out{
       .data = graph.constants("air_volume", make_air_volume(tables.uniform(), tables.params(), frame.constants, top_m)),
-      .volume = graph.create("atmosphere.air_volume", {.extent = {u32(2 * shared::kAirAzimuths),
-                                                                  u32(shared::kAirParts * shared::kAirRows),
-                                                                  u32(shared::kAirSlices)},
-                                                       .format = Format::rgba32f}),
+      .volume = graph.create("atmosphere.air_volume",
+                             {.extent = {u32(2 * shared::kAirAzimuths), u32(shared::kAirParts * shared::kAirRows),
+                                         u32(shared::kAirSlices)},
+                              .format = Format::rgba32f}),
       .tables = graph.create("atmosphere.light_tables",
                              {.extent = {u32(shared::kLightMu), u32(shared::kLightTables * shared::kLightHeights)},
                               .format = Format::rgba32f})};

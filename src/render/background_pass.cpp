@@ -19,17 +19,16 @@ static_assert(sizeof(shared::BackgroundPush) == 24);
 BackgroundPass::BackgroundPass(gpu::Device& device, uint32_t spectral_groups)
     : device_(device), spectral_groups_(spectral_groups) {}
 
-const gpu::ComputePipeline& BackgroundPass::pipeline(Kind kind, bool night, uint32_t haze_layers,
-                                                     bool volume) const {
-  gpu::ComputePipeline& wanted = pipelines_[{static_cast<uint32_t>(kind), night ? 1u : 0u, haze_layers, volume ? 1u : 0u}];
+const gpu::ComputePipeline& BackgroundPass::pipeline(Kind kind, bool night, uint32_t haze_layers, bool volume) const {
+  gpu::ComputePipeline& wanted =
+      pipelines_[{static_cast<uint32_t>(kind), night ? 1u : 0u, haze_layers, volume ? 1u : 0u}];
   if (!wanted) {
     const std::span<const uint32_t> spirv[] = {background_comp, sky_comp, discs_comp};
     const char* const names[] = {"background.surface", "background.sky", "background.discs"};
-    wanted = gpu::ComputePipeline(
-        device_,
-        {.name = names[kind],
-         .spirv = spirv[kind],
-         .constants = {spectral_groups_, night ? 1u : 0u, haze_layers, volume ? 1u : 0u}});
+    wanted = gpu::ComputePipeline(device_,
+                                  {.name = names[kind],
+                                   .spirv = spirv[kind],
+                                   .constants = {spectral_groups_, night ? 1u : 0u, haze_layers, volume ? 1u : 0u}});
   }
   return wanted;
 }
@@ -63,11 +62,8 @@ ImageRef BackgroundPass::add(FrameGraph& graph, const FrameInfo& frame, const At
         .sample("sun_visible_share", in.sun_visibility ? in.sun_visibility : in.terrain.depth_m,
                 Sampler::nearest_clamp);
     AirVolume::bind(graph, pass, in.air_volume, in.atmosphere);
-    const gpu::ComputePipeline& shader =
-        pipeline(surface, in.night, in.haze_layers, static_cast<bool>(in.air_volume));
-    pass.record([&shader, push](gpu::Commands& cmd) {
-      cmd.bind(shader).push(push).dispatch_indirect();
-    });
+    const gpu::ComputePipeline& shader = pipeline(surface, in.night, in.haze_layers, static_cast<bool>(in.air_volume));
+    pass.record([&shader, push](gpu::Commands& cmd) { cmd.bind(shader).push(push).dispatch_indirect(); });
   }
   add_discs(graph, frame, in, out);
   return out;

@@ -67,16 +67,15 @@ FrameOutputs Renderer::Parts::add_frame(FrameGraph& graph, const FrameInfo& fram
     shadow = lighting.shadows.add(graph, frame, density);
     behind.sun_visibility = clouds->shadow.add(graph, frame, surface, shadow);
   }
-  const ShaftPass::Air air{
-      .atmosphere = tables,
-      .uniform = &atmosphere->uniform(),
-      .shadow = shadow,
-      .terrain = terrain_air,
-      .terrain_top_m = terrain_shades ? terrain_shadow_map.shade_top_m(frame) : 0.0,
-      .cloud_top_m = clouds ? static_cast<double>(clouds->clouds.constants().hull_high_m) : 0.0,
-      .ground_m = terrain.ground_height_m(pose.at.lat_rad, pose.at.lon_rad),
-      .ground_albedo = scene.atmosphere.ground_albedo,
-      .sequence = needs.sequence};
+  const ShaftPass::Air air{.atmosphere = tables,
+                           .uniform = &atmosphere->uniform(),
+                           .shadow = shadow,
+                           .terrain = terrain_air,
+                           .terrain_top_m = terrain_shades ? terrain_shadow_map.shade_top_m(frame) : 0.0,
+                           .cloud_top_m = clouds ? static_cast<double>(clouds->clouds.constants().hull_high_m) : 0.0,
+                           .ground_m = terrain.ground_height_m(pose.at.lat_rad, pose.at.lon_rad),
+                           .ground_albedo = scene.atmosphere.ground_albedo,
+                           .sequence = needs.sequence || needs.live};
   behind.shafts = shafts.add_constants(graph, frame, scene.shafts, scene.haze, air);
   behind.haze_layers = static_cast<uint32_t>(drawn_haze(scene.haze).size());
   if (terrain_shades)

@@ -158,10 +158,10 @@ const gpu::ComputePipeline& ShaftPass::pipeline(Kind kind, uint32_t haze_layers,
                                                froxel_apply_comp};
     const char* const names[] = {"shafts.march", "shafts.screen", "haze.march",   "shafts.apply",
                                  "froxels.fill", "froxels.fill",  "froxels.apply"};
-    wanted = gpu::ComputePipeline(device_,
-                                  {.name = names[kind],
-                                   .spirv = spirv[kind],
-                                   .constants = {spectral_groups_, 0, 0, 0, 0, 0, haze_layers, steps, more, shaded, few}});
+    wanted = gpu::ComputePipeline(
+        device_, {.name = names[kind],
+                  .spirv = spirv[kind],
+                  .constants = {spectral_groups_, 0, 0, 0, 0, 0, haze_layers, steps, more, shaded, few}});
   }
   return wanted;
 }

@@ -48,7 +48,7 @@ class ShaftPass {
     double cloud_top_m = 0.0;        ///< geodetic height that no cloud reaches
     double ground_m = 0.0;           ///< geodetic height of the ground around the camera
     double ground_albedo = 0.1;
-    bool sequence = false;           ///< the picture is one of many: shade is looked for less often
+    bool sequence = false;  ///< the picture is one of many: shade is looked for less often
   };
   struct Inputs {
     ImageRef depth_m;

@@ -73,8 +73,8 @@ TEST_CASE("gpu: the air volume is the air that is integrated, within 0.3 % (0.8 
   const AirVolume volume(gpu.device, tables.spectral_groups());
   const gpu::ComputePipeline pipeline(
       gpu.device, {.name = "air_volume_test", .spirv = air_volume_test_comp, .constants = {tables.spectral_groups()}});
-  // Noon, the sun at 10, 2.3 and 0.7 degrees, and night with a moon. Near the ground under a low sun the table of columns, which
-  // is even in the root of the height, decides.
+  // Noon, the sun at 10, 2.3 and 0.7 degrees, and night with a moon. Near the ground under a low sun the table of
+  // columns, which is even in the root of the height, decides.
   for (const View& view : {View{"noon, 2 m", "2026-03-20T03:00:00Z", 2.0, 180.0, 2.0},
                            View{"noon, 1.5 km, down", "2026-03-20T03:00:00Z", 1500.0, 60.0, -20.0},
                            View{"noon, 10 km", "2026-03-20T03:00:00Z", 10e3, 300.0, -15.0},
