@@ -7,8 +7,9 @@
 
 namespace nepho {
 
-/// Bytes kept in cache_dir() under `name`; they may vanish at any time. Loading gives nothing unless key, device, length
-/// and checksum agree, so an old version, a torn file or a flipped bit means "make it again", never a wrong picture.
+/// Bytes kept in cache_dir() under `name`; they may vanish at any time. Loading gives nothing unless key, device,
+/// length and checksum agree, so an old version, a torn file or a flipped bit means "make it again", never a wrong
+/// picture.
 ///
 /// `device`: a hash of the device and driver that made the bytes, where those round in their own way; 0: all make the
 /// same. Files that came with a packaged program (data_dir()/tables, docs/packaging.md) serve every device: they are

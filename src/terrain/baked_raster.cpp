@@ -139,9 +139,9 @@ class BakedRaster final : public Raster {
         }
       }
       for (uint32_t row = 0; row < rows; ++row)
-        averager.add_row(std::span(values).subspan(size_t{row} * window->src_width * bands,
-                                                   size_t{window->src_width} * bands),
-                         std::span(valid).subspan(size_t{row} * window->src_width, window->src_width));
+        averager.add_row(
+            std::span(values).subspan(size_t{row} * window->src_width * bands, size_t{window->src_width} * bands),
+            std::span(valid).subspan(size_t{row} * window->src_width, window->src_width));
     }
     return std::move(averager).finish();
   }
@@ -208,10 +208,11 @@ std::shared_ptr<Raster> open_baked_raster(const std::filesystem::path& file) {
   std::memcpy(&header, bytes.data(), sizeof(Header));
   if (std::memcmp(header.magic, Header{}.magic, sizeof(header.magic)) != 0)
     throw refuse("is no baked raster of this version");
-  if (header.checksum != checksum_of(reinterpret_cast<const std::byte*>(bytes.data()) + kChecked,
-                                     bytes.size() - kChecked))
+  if (header.checksum !=
+      checksum_of(reinterpret_cast<const std::byte*>(bytes.data()) + kChecked, bytes.size() - kChecked))
     throw refuse("is cut off or damaged");
-  const uint64_t blocks = (uint64_t{header.width} + kSide - 1) / kSide * ((uint64_t{header.height} + kSide - 1) / kSide);
+  const uint64_t blocks =
+      (uint64_t{header.width} + kSide - 1) / kSide * ((uint64_t{header.height} + kSide - 1) / kSide);
   if (blocks == 0 || header.bands == 0 || header.bands > kMostBands ||
       bytes.size() < sizeof(Header) + blocks * sizeof(Place))
     throw refuse("is cut off or damaged");

@@ -46,7 +46,8 @@ uint32_t tiles_along(uint32_t pixels) { return (pixels + shared::kPixelTile - 1)
 
 /// Whether lights of cities may be on somewhere in view (terrain_resolve.comp: the sun is less than 6 degrees up).
 bool sees_night(const shared::FrameConstants& frame) {
-  constexpr double kHighestGround_m = 9e3, kOn_rad = 0.106, kVerticals_rad = 0.01;  // the ellipsoid's verticals turn a little faster
+  // The ellipsoid's verticals turn a little faster than a sphere's.
+  constexpr double kHighestGround_m = 9e3, kOn_rad = 0.106, kVerticals_rad = 0.01;
   const double a_m = static_cast<double>(frame.planet.a_m), h_m = static_cast<double>(frame.planet.camera_height_m);
   const auto dip = [&](double height_m) { return std::acos(a_m / (a_m + std::max(height_m, 0.0))); };
   const double sine = std::clamp(static_cast<double>(glm::dot(frame.camera_up, frame.sun_dir)), -1.0, 1.0);

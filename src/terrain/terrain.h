@@ -60,9 +60,9 @@ class Terrain {
   void prefetch(const FrameInfo& frame);
 
   struct Outputs {
-    ImageRef depth_m;   ///< r32f: distance along the pixel's ray, m; 1e10 for the sky
-    ImageRef albedo;    ///< rgba16f: linear Rec. 709; a: 0 sky, 1 land, 2 water (whose rgb is 0)
-    ImageRef normal;    ///< rgba16f: unit normal, ECEF axes; of water the geodetic normal; sky tiles undefined
+    ImageRef depth_m;  ///< r32f: distance along the pixel's ray, m; 1e10 for the sky
+    ImageRef albedo;   ///< rgba16f: linear Rec. 709; a: 0 sky, 1 land, 2 water (whose rgb is 0)
+    ImageRef normal;   ///< rgba16f: unit normal, ECEF axes; of water the geodetic normal; sky tiles undefined
     /// rgba16f: night lights, linear, 1 the brightest; black without any; sky tiles undefined. Empty where it is day as
     /// far as the camera sees.
     ImageRef emission;

@@ -63,9 +63,9 @@ class TerrainShadowMap {
   gpu::ComputePipeline bake_, bake_lit_;
   gpu::Image volume_, lit_;
   std::vector<glm::vec3> volume_lights_;  ///< by level; those that are missing have none yet
-  bool draft_ = false;             ///< what is shown lacks what would have taken long to read
-  std::atomic<bool> stop_{false};  ///< ends `next_`
-  std::future<Made> next_;         ///< being made in the background
+  bool draft_ = false;                    ///< what is shown lacks what would have taken long to read
+  std::atomic<bool> stop_{false};         ///< ends `next_`
+  std::future<Made> next_;                ///< being made in the background
 };
 
 /// Binds what terrain_shadow.glsl reads.

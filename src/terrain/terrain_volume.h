@@ -5,8 +5,8 @@ namespace nepho {
 
 /// Shadows of terrain in the air of a frame, for shaders that include terrain/terrain_air.glsl.
 struct TerrainVolumeRefs {
-  ImageRef shadow;  ///< rgba32f, a layer per level
-  BufferRef map;    ///< shared::RegionMap
+  ImageRef shadow;    ///< rgba32f, a layer per level
+  BufferRef map;      ///< shared::RegionMap
   ImageRef lit = {};  ///< r32f: 1 where no shadow is near the ground, for terrain_shadow.comp
   explicit operator bool() const { return static_cast<bool>(shadow); }
 };

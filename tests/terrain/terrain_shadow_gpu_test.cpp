@@ -38,7 +38,8 @@ struct Rig {
     frame.constants.sun_angular_radius_rad = static_cast<float>(kDisc_rad);
   }
 
-  /// `by_map`: by the map of shadow heights, for the air; else by the march. `sequence`: the map may lag behind the light.
+  /// `by_map`: by the map of shadow heights, for the air; else by the march. `sequence`: the map may lag behind the
+  /// light.
   std::vector<double> shares(const std::vector<Geodetic>& places, bool by_map = false, bool sequence = false) {
     std::vector<vec4> points;
     for (const Geodetic& p : places) points.push_back(vec4(vec3(ecef_from_geodetic(p) - frame.camera_ecef_m), 0.0f));

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <random>
 
-#include "io/file_test_tools.h"
 #include "base/blob_cache.h"
+#include "io/file_test_tools.h"
 #include "weather/coverage_statistics.h"
 #include "weather/raster_weather.h"
 #include "weather/weather_shared.h"
