@@ -31,12 +31,45 @@ float cone_length(int i, float first_m, float growth, int count) {
   return reach_m / (float(kConeTaps - 1) + kConeFar) * (i < kConeTaps - 1 ? 1.0 : kConeFar);
 }
 
-// Of the taps, what changes slowly along the way to the sun is read at two places, and small noise at one: within what a tap
-// stands for it is the same, or so different that only its variance counts.
+// Of a slab (a test of the march): mean extinction of a stretch that rises by rise_m, with its middle at eta.
+float slab_extinction(uint l, float eta, float rise_m) {
+  float rise = rise_m / CLOUD.layers[l].thickness_m, eta0 = eta - 0.5 * rise, eta1 = eta + 0.5 * rise;
+  float inside = clamp(max(eta0, eta1), 0.0, 1.0) - clamp(min(eta0, eta1), 0.0, 1.0);
+  float share = abs(rise) > 1.0e-6 ? inside / abs(rise) : (eta >= 0.0 && eta < 1.0 ? 1.0 : 0.0);
+  return share * CLOUD.uniform_density * CLOUD.layers[l].extinction_per_m;
+}
+
+// Optical depth from a point of a cloud of layer l towards the sun.
+float cloud_sun_depth(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_m, float log2_footprint) {
+  vec3 sun = frame.frame_data.key_dir;
+  float climb = dot(up, sun);
+  float depth = 0.0, from_m = 0.0, first_m = max(kFirstTap_m, 0.4 * exp2(log2_footprint)), length_m = first_m;
+  int i = 0;
+  do {
+    if (CONE) length_m = cone_length(i, first_m, kSunGrowth, kSunTaps);
+    float d = from_m + 0.5 * length_m;
+    vec3 way = CONE ? sun + cone_aside(sun, i) : sun;
+    float h = height_m + (CONE ? dot(up, way) : climb) * d;
+    float sigma_per_m = 0.0;
+    if (CLOUD.uniform_density > 0.0) {
+      sigma_per_m = slab_extinction(l, cloud_eta(l, c, h), climb * length_m);
+    } else {
+      sigma_per_m = cloud_medium_at(l, c, p_cam + way * d, up, h, max(log2_footprint, log2(0.4 * length_m))).sigma_per_m;
+    }
+    depth += sigma_per_m * length_m;
+    from_m += length_m;
+    length_m *= kSunGrowth;
+  } while (++i < (CONE ? kConeTaps : kSunTaps));
+  return depth + grid_sun_depth(light_data.data.grid, p_cam + sun * from_m, sun).x;
+}
+
+// The same by half as many reads, for pictures that are not fine. What changes slowly along the way to the sun is read at two
+// places for all taps, and small noise at one: within what a tap stands for it is the same, or so different that only its variance
+// counts.
 const float kSunNear = 1.2, kSunFar = 8.0;  // where: lengths of the first tap's stretch
 const int kSunDetailed = 2;                     // taps that know small noise
 
-float cloud_sun_depth(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_m, float log2_footprint) {
+float quick_sun_depth(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_m, float log2_footprint) {
   vec3 sun = frame.frame_data.key_dir;
   float climb = dot(up, sun);
   float first_m = max(kFirstTap_m, 0.4 * exp2(log2_footprint));
@@ -60,11 +93,7 @@ float cloud_sun_depth(uint l, CloudColumn c, vec3 p_cam, vec3 up, float height_m
     float h = height_m + (CONE ? dot(up, way) : climb) * d, eta = cloud_eta(l, c, h);
     float sigma_per_m = 0.0;
     if (CLOUD.uniform_density > 0.0) {
-      // The part of the stretch that is inside.
-      float rise = climb * length_m / CLOUD.layers[l].thickness_m, eta0 = eta - 0.5 * rise, eta1 = eta + 0.5 * rise;
-      float inside = clamp(max(eta0, eta1), 0.0, 1.0) - clamp(min(eta0, eta1), 0.0, 1.0);
-      float share = abs(rise) > 1.0e-6 ? inside / abs(rise) : (eta >= 0.0 && eta < 1.0 ? 1.0 : 0.0);
-      sigma_per_m = share * CLOUD.uniform_density * CLOUD.layers[l].extinction_per_m;
+      sigma_per_m = slab_extinction(l, eta, climb * length_m);
     } else if (eta > 0.0 && eta < 1.0) {
       float log2_tap = max(log2_footprint, log2(0.4 * length_m)), u = (d - near_m) / (far_m - near_m);
       float unknown = c.unknown + mix(near_unknown, far_unknown, clamp(u, 0.0, 1.0));

@@ -443,7 +443,8 @@ void main() {
       float footprint_m = max(pixel_angle * at, 0.08 * max(at * 0.013, 27.0));
       float sun_depth;
       if (OCTAVES) sun_depth = octave_sun_depth(source_layers[i], columns[i], dir * at, sq * inv, height_m, log2(footprint_m));
-      else sun_depth = cloud_sun_depth(source_layers[i], columns[i], dir * at, sq * inv, height_m, log2(footprint_m));
+      else if (FINE) sun_depth = cloud_sun_depth(source_layers[i], columns[i], dir * at, sq * inv, height_m, log2(footprint_m));
+      else sun_depth = quick_sun_depth(source_layers[i], columns[i], dir * at, sq * inv, height_m, log2(footprint_m));
       float sent, powder = powder_factor(sun_depth, cos_sun, CLOUD.powder);
       if (OCTAVES) sent = sources[i].y * octave_sum(cos_sun, CLOUD.phase, CLOUD.multiple_scattering_weight, sun_depth);
       else sent = sources[i].y * beam_sum(beam0, beam1, light_data.data.forward_albedo, sun_depth);

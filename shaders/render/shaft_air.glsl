@@ -11,7 +11,6 @@ layout(constant_id = 7) const uint SHAFT_STEPS = 32u;
 layout(constant_id = 10) const bool QUICK = false;   // of a sequence
 
 const int kGroup = 4;                  // steps at whose ends clear air is known
-const float kWholeStretch_m = 20.0e3;  // a stretch as long gets all steps, of a sequence
 
 struct AirMarch {
   AirRay ray;
@@ -164,9 +163,7 @@ bool shaft_stretch(AirMarch m, float far_m, out StepPlan plan) {
   // Steps follow the transmittance of air as dense as where the ray begins.
   SpectralGroup group = atmosphere.spectrum[kSpectralGroups / 2];
   extinction += optical_depth(group, densities(air, height_along(air, m.ray.h, m.ray.mu, max(cut.x - m.ray.start_m, 0.0) * m.ray.stretch))).y;
-  // Short stretches get along with fewer steps: shade changes as much in a kilometre there, but less light is at stake.
   float groups = ceil(float(SHAFT_STEPS) / float(kGroup));
-  if (QUICK && HAZE == 0u) groups = ceil(0.5 * groups);
   float steps = groups * float(kGroup);
   plan = plan_steps(cut, extinction, steps);
   return meets && m.ray.in_air && cut.w > cut.x;

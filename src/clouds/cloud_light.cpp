@@ -45,7 +45,7 @@ shared::LightCells cells_for(Extent2D extent, const CloudLight::Quality& quality
   c.log2_ratio = std::log2(1.0f + c.growth);
   c.smooth_m = quality.smooth_m;
   c.smooth_paths = quality.smooth_paths;
-  c.stride_px = std::max(1u, static_cast<uint32_t>(px / 2.0));
+  c.stride_px = std::max(1u, static_cast<uint32_t>(px / quality.rays_per_node));
   c.refresh_frames = quality.refresh_frames;
   c.deepest = quality.deepest;
   return c;
@@ -80,7 +80,8 @@ CloudLight::Quality CloudLight::live_quality_of(const std::string& preset, bool 
   q.deepest = 12.0f;
   q.grid_texels = std::min(q.grid_texels, software ? 96u : 192u);
   q.grid_slices = std::min(q.grid_slices, software ? 48u : 96u);
-  q.refresh_frames = software ? 32 : 8;
+  q.refresh_frames = software ? 64 : 8;
+  q.rays_per_node = 1.0f;
   q.round_frames = software ? 96 : 32;
   return q;
 }
