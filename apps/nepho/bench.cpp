@@ -1,5 +1,7 @@
 #include "nepho/bench.h"
 
+#include <fmt/format.h>
+
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +15,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "geo/geodesic.h"
+#include "io/png.h"
 #include "nepho/raster_access.h"
 #include "nepho/scene_sources.h"
 #include "render/renderer.h"
@@ -77,6 +80,11 @@ void add_passes(std::vector<BenchPass>& to, PassTimes passes, uint32_t frames) {
                    [](const BenchPass& a, const BenchPass& b) { return a.median_ms > b.median_ms; });
 }
 
+std::string picture_name(const BenchResult& r, bool first) {
+  return fmt::format("{}_{}x{}_{}_{}_{}.png", r.scene, r.size.width, r.size.height, r.quality, r.upscale,
+                     first ? "first" : "last");
+}
+
 BenchResult measure(const BenchCase& c, const BenchRequest& request, const RasterAccess& rasters) {
   BenchResult r;
   r.scene = c.name;
@@ -109,14 +117,18 @@ BenchResult measure(const BenchCase& c, const BenchRequest& request, const Raste
     const auto frame = Clock::now();
     renderer.set_time(begin.plus_seconds(seconds));
     renderer.set_camera(camera_at(c, seconds));
-    renderer.render({.layers = false,
+    const bool last = i == request.warm_up + request.frames;
+    const bool shown = !request.pictures.empty() && (i == 0 || last);
+    const RenderResult drawn =
+        renderer.render({.layers = false,
                      .frame_interval_s = i > 0 ? 1.0 / request.fps : 0.0,
                      .frame_number = i,
                      .live = true,
-                     .read_back = false,
-                     .count_work = i == request.warm_up + request.frames,
+                     .read_back = shown,
+                     .count_work = last,
                      .incomplete_ok = i > 0});
     const double ms = ms_since(frame) - renderer.timings().readback_ms;
+    if (shown) write_png(request.pictures / picture_name(r, i == 0), r.size.width, r.size.height, drawn.display_rgb);
     if (i == 0) r.first_frame_ms = ms;
     if (i == 0) add_passes(r.first_passes, passes_of(renderer.timings()), 1);
     for (const std::string& message : device.take_validation_messages()) log_warning("{}", message);

@@ -1,4 +1,5 @@
 #pragma once
+#include <filesystem>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -25,6 +26,7 @@ struct BenchRequest {
   double fps = 60.0;      ///< the scene's clock goes on by 1 / fps a frame
   std::string device;     ///< as gpu::DeviceOptions::device
   bool validation = false;
+  std::filesystem::path pictures;  ///< folder for the first and the last picture of each case; empty: none are kept
 };
 
 struct BenchPass {

@@ -53,13 +53,15 @@ void BenchCommand::add_to(CLI::App& command) {
       ->each([this](const std::string&) { moves_ = true; });
   command.add_option("--turn", turn_deg_s_, "the camera turns to the right, deg/s (default 0)")->type_name("DEG_PER_S");
   command.add_option("--json", json_, "write all figures there")->type_name("FILE.json");
+  command.add_option("--pictures", pictures_, "keep the first and the last picture of each case there, as PNG")
+      ->type_name("FOLDER");
   command.add_option("--device", device_, kDeviceHelp)->type_name("NAME");
   command.add_flag("--validation", validation_, "use the Vulkan validation layer")->group("");
 }
 
 BenchRequest BenchCommand::request() const {
   BenchRequest request{
-      .cases = {}, .frames = frames_, .warm_up = warm_up_, .device = device_, .validation = validation_};
+      .cases = {}, .frames = frames_, .warm_up = warm_up_, .device = device_, .validation = validation_, .pictures = pictures_};
   std::vector<std::string> names = scenes_.empty() ? std::vector<std::string>{"ground"} : scenes_;
   if (std::find(names.begin(), names.end(), "all") != names.end()) names = kScenes;
   const std::vector<std::string> as_is{""};
@@ -89,6 +91,8 @@ BenchRequest BenchCommand::request() const {
 void BenchCommand::run(const Program& program) const {
   const BenchRequest wanted = request();
   if (!json_.empty()) require_writable(json_);
+  if (!pictures_.empty() && !fs::is_directory(pictures_))
+    throw fail(ErrorKind::usage, "--pictures: {}: no such folder", pictures_);
   const std::vector<BenchResult> results = program.bench(wanted, program.out);
   if (!json_.empty())
     write_whole_file(json_, [&](const fs::path& temporary) { write_text_file(temporary, bench_json(results)); });

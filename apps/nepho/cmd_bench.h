@@ -24,7 +24,7 @@ class BenchCommand {
   uint32_t frames_ = 16, warm_up_ = 16;
   double speed_mps_ = 0.0, turn_deg_s_ = 0.0;
   bool moves_ = false;
-  std::string json_, device_;
+  std::string json_, pictures_, device_;
   bool validation_ = false;
 };
 

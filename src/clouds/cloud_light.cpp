@@ -45,7 +45,7 @@ shared::LightCells cells_for(Extent2D extent, const CloudLight::Quality& quality
   c.log2_ratio = std::log2(1.0f + c.growth);
   c.smooth_m = quality.smooth_m;
   c.smooth_paths = quality.smooth_paths;
-  c.stride_px = std::max(1u, static_cast<uint32_t>(px / quality.rays_per_node));
+  c.stride_px = std::max(1u, static_cast<uint32_t>(px / 2.0));
   c.refresh_frames = quality.refresh_frames;
   c.deepest = quality.deepest;
   return c;
@@ -71,17 +71,16 @@ CloudLight::Quality CloudLight::quality_of(const std::string& preset) {
 
 CloudLight::Quality CloudLight::live_quality_of(const std::string& preset, bool software) {
   Quality q = quality_of(preset);
-  q.paths = std::min(q.paths, software ? 4u : 8u);
+  q.paths = std::min(q.paths, software ? 6u : 8u);
   q.most_nodes = std::min(q.most_nodes, software ? 40u : 64u);
   q.slices = std::min(q.slices, software ? 96u : 192u);
   q.first_m = software ? 100.0f : 50.0f;
-  q.smooth_m = 100.0f;
+  q.smooth_m = 400.0f;  // nodes of thin clouds are far apart, and their light varies little
   q.smooth_paths = 1.0f;
-  q.deepest = 12.0f;
+  q.deepest = 24.0f;
   q.grid_texels = std::min(q.grid_texels, software ? 96u : 192u);
   q.grid_slices = std::min(q.grid_slices, software ? 48u : 96u);
-  q.refresh_frames = software ? 64 : 8;
-  q.rays_per_node = 1.0f;
+  q.refresh_frames = software ? 32 : 8;
   q.round_frames = software ? 96 : 32;
   return q;
 }

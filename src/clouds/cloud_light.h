@@ -33,7 +33,6 @@ class CloudLight {
     bool all_around = false;     ///< LightGrid::Layout
     uint32_t most_paths = 64;    ///< in sequences: that a cell's light is the mean of, at most (two sets at least)
     uint32_t refresh_frames = 4;  ///< in sequences: in which each cell that has light gets a path more
-    float rays_per_node = 2.0f;   ///< along a side, that say which cells are seen
     float deepest = 30.0f;        ///< optical depth of the grid beyond which no cell is seen
     uint32_t round_frames = 32;   ///< LightGrid::Layout
   };

@@ -404,6 +404,9 @@ TEST_CASE("a benchmark of scenes, sizes, qualities and upscalings measures every
   CHECK(cases[7].name == "10km");
   CHECK(cases[7].scene.render.quality == "low");
   CHECK(cases[7].turn_deg_s == 90.0);
+  CHECK(bench({"--pictures", "/no/such/folder"}).first == 2);
+  CHECK(bench({"--pictures", "/no/such/folder"}).second.find("--pictures: /no/such/folder: no such folder") !=
+        std::string::npos);
   CHECK(bench({"--scene", "grund"}).first == 2);
   CHECK(bench({"--scene", "grund"}).second.find("did you mean 'ground'?") != std::string::npos);
   CHECK(bench({"--scene", "none.json"}).first == 3);
