@@ -208,7 +208,7 @@ TEST_CASE("gpu: live pictures have the light of stills, nearly, from the first o
           " dB from each other, ", stills[0].cells, " cells");
   CHECK(psnr(first.shown, mean) > 33.0);
   CHECK(psnr(last.shown, mean) > 34.0);  // of one frame: the noise of its march is in it
-  CHECK(std::abs(bias(last)) < 0.025);
+  CHECK(std::abs(bias(last)) < 0.04);  // whole steps instead of half ones are in it
 }
 
 TEST_CASE("gpu: after a cut light is traced anew, as in a still; sequences are the same each time") {
