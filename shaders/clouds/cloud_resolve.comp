@@ -36,7 +36,15 @@ vec4 sharp_history(vec2 at_px) {
     sum += w * textureLod(last_smooth, vec2(x[c], y[r]), 0.0);
     total += w;
   }
-  return sum / total;
+  // No darker and no brighter than the texels around: beside an edge the cubic undershoots, and what is dark there would turn black.
+  ivec2 corner = ivec2(low), last = ivec2(size) - 1;
+  vec4 least = vec4(1.0e9), most = vec4(0.0);
+  for (int i = 0; i < 4; ++i) {
+    vec4 texel = texelFetch(last_radiance, clamp(corner + ivec2(i & 1, i >> 1), ivec2(0), last), 0);
+    least = min(least, texel);
+    most = max(most, texel);
+  }
+  return clamp(sum / total, least, most);
 }
 
 // Whether a pixel's ray ends about as far away.
@@ -129,12 +137,12 @@ void main() {
     vec4 seen = texelFetch(cloud_radiance, at, 0);
     float same = same_surface(at, surface_m) ? 1.0 : 0.0;
     vec2 off = vec2(at - pixel) / step_px;
-    float w = same * exp(-0.5 * dot(off, off));
+    float near_px = exp(-0.5 * dot(off, off)), w = same * near_px;
     vec4 c = to_box_space(seen);
     mean += w * c;
     squares += w * c * c;
     weight += w;
-    float near_by = same * max(1.0 - abs(off.x), 0.0) * max(1.0 - abs(off.y), 0.0) + 1.0e-4 * w;
+    float near_by = same * max(1.0 - abs(off.x), 0.0) * max(1.0 - abs(off.y), 0.0) + 1.0e-4 * (w + 1.0e-3 * near_px);  // the last: where all are before another surface, as at the horizon
     filled += near_by * seen;
     fill_weight += near_by;
   }
@@ -151,7 +159,7 @@ void main() {
   }
   if (found == 0.0) {
     samples = 0.0;
-    value = filled / max(fill_weight, 1.0e-9);
+    value = filled / max(fill_weight, 1.0e-12);
   }
   if (marched) {
     float w = new_weight(samples, dot(own.rgb, vec3(0.25, 0.5, 0.25)), dot(value.rgb, vec3(0.25, 0.5, 0.25)));
